@@ -1,0 +1,145 @@
+"""What is a crease pattern: the flat sheet, its creases, which way and how far each one folds?
+
+Arrays carry the names of the FOLD format. Polygons of any size: faces are stored one after another
+in `faces_vertices`, and face f is `faces_vertices[faces_offsets[f]:faces_offsets[f + 1]]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fab.development import Development
+from solver.errors import InvalidValue, require_positive
+from solver.mesh import Edges, QuadMesh, edges_of
+from solver.vectors import FloatArray, IntArray, cross, dot, unit
+
+__all__ = ["FLAT_ANGLE_DEG", "CreasePattern", "crease_pattern", "fold_angles_deg"]
+
+# Creases that fold by less than this are flat (assignment F).
+FLAT_ANGLE_DEG = 1e-6
+
+
+@dataclass(frozen=True)
+class CreasePattern:
+    """A flat sheet with its creases, in millimetres and degrees. Arrays are read-only.
+
+    Attributes
+    ----------
+    vertices_coords : shape (nv, 2), mm; faces are counterclockwise seen from +z.
+    edges_vertices : shape (ne, 2), unique edges, each in the direction of its first face.
+    edges_faces : shape (ne, 2), first and second face; -1 where there is none.
+    edges_assignment : shape (ne,), "M", "V", "F" or "B".
+    edges_foldAngle : shape (ne,), degrees in (-180, 180], valley positive, 0 at the boundary.
+    faces_vertices, faces_offsets : polygons, see the module; shapes (total,) and (nf + 1,).
+    folded_coords : shape (nv, 3), mm, the folded form; None where it is not known.
+    """
+
+    vertices_coords: FloatArray
+    edges_vertices: IntArray
+    edges_faces: IntArray
+    edges_assignment: NDArray[np.str_]
+    edges_foldAngle: FloatArray  # noqa: N815 (the FOLD format's own name)
+    faces_vertices: IntArray
+    faces_offsets: IntArray
+    folded_coords: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        for name in self.__dataclass_fields__:
+            array = getattr(self, name)
+            if array is not None:
+                array.flags.writeable = False
+
+    @property
+    def face_count(self) -> int:
+        """Number of faces."""
+        return len(self.faces_offsets) - 1
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Edges with the faces beside them, as the solver names them."""
+        return Edges(self.edges_vertices, self.edges_faces)
+
+    def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
+        """For each number n of corners: the faces that have it, and their corners (nf', n)."""
+        sizes = np.diff(self.faces_offsets)
+        for n in np.unique(sizes):
+            faces = np.flatnonzero(sizes == n)
+            yield faces, self.faces_vertices[self.faces_offsets[faces][:, None] + np.arange(n)]
+
+    def counts(self) -> dict[str, int]:
+        """Number of edges by assignment."""
+        return {letter: int((self.edges_assignment == letter).sum()) for letter in "MVFB"}
+
+
+def crease_pattern(
+    mesh: QuadMesh, development: Development, scale_mm_per_unit: float
+) -> CreasePattern:
+    """The crease pattern of a grown patch; here design units become millimetres, once."""
+    require_positive("scale_mm_per_unit", scale_mm_per_unit)
+    edges = mesh.edges
+    faces = mesh.faces_vertices.ravel()
+    offsets = np.arange(len(mesh.faces_vertices) + 1) * 4
+    angle = fold_angles_deg(mesh.vertices_coords, edges, faces, offsets)
+    return CreasePattern(
+        development.vertices_coords * scale_mm_per_unit,
+        edges.edges_vertices,
+        edges.edges_faces,
+        assignments(angle, edges),
+        angle,
+        faces,
+        offsets,
+        mesh.vertices_coords * scale_mm_per_unit,
+    )
+
+
+def assignments(angle_deg: FloatArray, edges: Edges) -> NDArray[np.str_]:
+    """Letters M, V, F, B from fold angles: valley positive, mountain negative."""
+    letter = np.where(angle_deg > 0, "V", "M")
+    letter[np.abs(angle_deg) < FLAT_ANGLE_DEG] = "F"
+    letter[edges.edges_faces[:, 1] < 0] = "B"
+    return letter
+
+
+def fold_angles_deg(
+    folded_coords: FloatArray, edges: Edges, faces_vertices: IntArray, faces_offsets: IntArray
+) -> FloatArray:
+    """Deviation from flat at every edge, degrees in (-180, 180], valley positive, shape (ne,).
+
+    atan2((n2 x n1).u, n1.n2), with n1, n2 the normals of the first and second face and u the edge's
+    direction in the first; 0 at the boundary, and within `FLAT_ANGLE_DEG` of 0.
+    """
+    normals = face_normals(folded_coords, faces_vertices, faces_offsets)
+    shared = edges.edges_faces[:, 1] >= 0
+    ends = folded_coords[edges.edges_vertices[shared]]
+    u = unit(ends[:, 1] - ends[:, 0])
+    n1, n2 = normals[edges.edges_faces[shared]].swapaxes(0, 1)
+    bad = np.flatnonzero(~np.isfinite(dot(n1, n2) + dot(u, u)))
+    if len(bad):
+        one, two = edges.edges_vertices[shared][bad[0]]
+        raise InvalidValue(
+            f"edge ({one}, {two})",
+            "without length, or beside a face without area",
+            "have length, between faces with area",
+            "Merge duplicate vertices and remove degenerate faces.",
+        )
+    angle = np.zeros(len(shared))
+    angle[shared] = np.degrees(np.arctan2(dot(cross(n2, n1), u), dot(n1, n2)))
+    angle[np.abs(angle) < FLAT_ANGLE_DEG] = 0.0
+    angle[angle == -180.0] = 180.0
+    return angle
+
+
+def face_normals(
+    coords: FloatArray, faces_vertices: IntArray, faces_offsets: IntArray
+) -> FloatArray:
+    """Unit area normals of polygons in space, shape (nf, 3)."""
+    sizes = np.diff(faces_offsets)
+    corner = coords[faces_vertices] - np.repeat(coords[faces_vertices[faces_offsets[:-1]]], sizes, 0)
+    following = np.arange(len(corner)) + 1
+    following[faces_offsets[1:] - 1] = faces_offsets[:-1]
+    return unit(np.add.reduceat(cross(corner, corner[following]), faces_offsets[:-1]))

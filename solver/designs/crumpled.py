@@ -1,0 +1,89 @@
+"""A crumpled sheet: random flap angles and lengths on a corrugated seed (figures 4E and S16)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver import seeds
+from solver.errors import InvalidValue, require_at_least, require_positive
+from solver.front import Front, Rays
+from solver.growth import Growth, Strip, grow
+from solver.transfer import prefix_products, transform
+from solver.vectors import FloatArray
+
+__all__ = ["Crumpled"]
+
+# How many random flap angles a strip looks at for one that crosses no face at any vertex.
+_TRIALS = 64
+
+
+@dataclass(frozen=True)
+class Crumpled:
+    """Seed: a corrugated strip with random creases. Flap angles and lengths: random.
+
+    Attributes
+    ----------
+    columns, strips : number of quads each way, the seed's strip included.
+    beta, k : angles of the seed's front, radians.
+    power : p of the lengths X (1 - k/2pi)^p, X uniform in (0.1, 0.9) of the length's bound:
+        the larger, the more a strip shrinks towards flat regions.
+    length_limit : stands for the bound of a crease whose neighbours do not meet it (nearby).
+    seed_deviation : standard deviation of the seed's crease lengths about 1 (normal, positive).
+    random_seed : the same number gives the same sheet.
+    """
+
+    columns: int = 20
+    strips: int = 40
+    beta: float = field(default=0.6 * np.pi, metadata={"angle": True})
+    k: float = field(default=1.2 * np.pi, metadata={"angle": True})
+    power: float = 2.0
+    length_limit: float = 2.0
+    seed_deviation: float = 0.4
+    random_seed: int = 0
+
+    def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
+        """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
+        require_at_least("strips", self.strips, 2, "The seed itself is the first strip.")
+        require_at_least("random_seed", self.random_seed, 0, "Any whole number from 0 will do.")
+        require_positive("length_limit", self.length_limit)
+        for name, value in (("power", self.power), ("seed_deviation", self.seed_deviation)):
+            if not (np.isfinite(value) and value >= 0):
+                raise InvalidValue(name, value, "be finite and at least 0", "Try the default.")
+        random = np.random.Generator(np.random.PCG64(self.random_seed))
+        lengths = _positive_normal(random, self.columns + 1, self.seed_deviation)
+        seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)
+
+        def choose(front: Front, strip: int) -> Strip:
+            return Strip(_flap_angle(front, random), self._lengths(front, random))
+
+        return grow(seed, self.strips - 1, choose, progress=progress)
+
+    def _lengths(
+        self, front: Front, random: np.random.Generator
+    ) -> Callable[[Rays], FloatArray]:
+        def lengths(rays: Rays) -> FloatArray:
+            bound = np.minimum(rays.length_bounds, self.length_limit)
+            free = np.interp(np.arange(len(bound)), np.arange(1, len(bound) - 1), front.k)
+            share = random.uniform(0.1, 0.9, len(bound))
+            return share * bound * (1 - free / (2 * np.pi)) ** self.power
+
+        return lengths
+
+
+def _positive_normal(random: np.random.Generator, count: int, deviation: float) -> FloatArray:
+    values = 1 + random.normal(0.0, deviation, count)
+    while (values <= 0).any():
+        again = values <= 0
+        values[again] = 1 + random.normal(0.0, deviation, int(again.sum()))
+    return values
+
+
+def _flap_angle(front: Front, random: np.random.Generator) -> float:
+    """The first of many random flap angles with the fewest vertices that cross old faces."""
+    trials = random.uniform(0.0, 2 * np.pi, _TRIALS)
+    flap_angles = transform(prefix_products(front.couplings, front.deltas), trials)
+    crossings = front.self_intersections(flap_angles).sum(axis=0)
+    return float(trials[np.argmin(crossings)])

@@ -1,0 +1,61 @@
+"""The Miura sheet, grown strip by strip like any other design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solver import seeds
+from solver.errors import require_at_least
+from solver.front import Front, Rays
+from solver.growth import Growth, Strip, grow
+from solver.vectors import FloatArray
+from solver.vertex import flap_angle_of
+
+__all__ = ["Miura"]
+
+
+@dataclass(frozen=True)
+class Miura:
+    """Seed: one strip of parallelograms. Flap angle: the flat-foldable one, so that rows repeat.
+    Lengths: up to the planes z = 0 and z = height in turn; with lengths given as numbers rounding
+    errors would grow threefold with every row.
+
+    Attributes
+    ----------
+    columns, rows : number of quads each way.
+    sector_angle, fold, zigzag_length, crease_length : see `solver.seeds.miura`.
+    """
+
+    columns: int = 10
+    rows: int = 8
+    sector_angle: float = field(default=np.pi / 3, metadata={"angle": True})
+    fold: float = field(default=np.pi / 4, metadata={"angle": True})
+    zigzag_length: float = 1.0
+    crease_length: float = 1.0
+
+    def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
+        """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
+        require_at_least("rows", self.rows, 2, "One strip alone has no interior vertex.")
+        seed = seeds.miura(
+            self.columns, self.sector_angle, self.fold, self.zigzag_length, self.crease_length
+        )
+        lower, upper = seed.vertices_coords[seed.grid]
+        climb = upper[1] - lower[1]
+        middle = self.columns // 2
+
+        def choose(front: Front, strip: int) -> Strip:
+            descends = strip % 2 == 0
+            plane = 0.0 if descends else climb[2]
+            crease = climb * np.array([1.0, 1.0, -1.0 if descends else 1.0])
+            u = front.edges_direction
+            flap_angle = flap_angle_of(-u[middle - 1], u[middle], crease)
+
+            def to_plane(rays: Rays) -> FloatArray:
+                return (plane - rays.vertices_coords[:, 2]) / rays.directions[:, 2]
+
+            return Strip(float(flap_angle), to_plane, at=middle)
+
+        return grow(seed, self.rows - 1, choose, progress=progress)

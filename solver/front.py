@@ -1,0 +1,264 @@
+"""Where can a strip grow: the front's angles and frames, the rays of new creases, their lengths?
+
+          z0----z1----z2----z3      new row, grown along the rays r
+          | r0  | r1  | r2  | r3
+          x0----x1----x2----x3      the front, new growth on the left of its direction
+          |     |     |     |
+          y0----y1----y2----y3      previous row (or none: then k is chosen, not measured)
+
+Source: supplementary information of "An additive algorithm for origami design", S1 and S2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.errors import InvalidValue, require_within
+from solver.mesh import QuadMesh, Side
+from solver.transfer import coupling, half_angles
+from solver.vectors import BoolArray, FloatArray, cross, dot, norm, unit
+from solver.vertex import locked_flap_angles, require_foldable, self_intersects
+
+__all__ = ["Front", "Rays"]
+
+
+@dataclass(frozen=True)
+class Rays:
+    """Where the vertices of the new row lie: `x + length * direction`.
+
+    Attributes
+    ----------
+    vertices_coords : the front, shape (m + 1, 3).
+    directions : unit vectors, shape (m + 1, 3).
+    flap_angles : of the interior vertices, radians in [0, 2 pi), shape (m - 1,).
+    length_bounds : each length must be below it; inf where neighbouring rays do not meet
+        (equations S20, S21), shape (m + 1,).
+    """
+
+    vertices_coords: FloatArray
+    directions: FloatArray
+    flap_angles: FloatArray
+    length_bounds: FloatArray
+
+    def row(self, lengths: FloatArray | float) -> FloatArray:
+        """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
+        return self.vertices_coords + np.multiply.outer(
+            np.broadcast_to(lengths, len(self.directions)), np.ones(3)
+        ) * self.directions
+
+
+@dataclass(frozen=True)
+class Front:
+    """A polyline of m + 1 vertices with the angles that a new strip must use up.
+
+    Attributes
+    ----------
+    vertices_coords : shape (m + 1, 3).
+    edges_length, edges_direction : shapes (m,) and (m, 3).
+    beta, k, couplings : of the interior vertices, shape (m - 1,).
+    normals : of the beta planes, shape (m - 1, 3).
+    deltas : angle between successive beta planes about their common edge, shape (m - 2,).
+    back : unit directions to the previous row, shape (m - 1, 3); None where the front is a curve.
+    """
+
+    vertices_coords: FloatArray
+    edges_length: FloatArray
+    edges_direction: FloatArray
+    beta: FloatArray
+    k: FloatArray
+    couplings: FloatArray
+    normals: FloatArray
+    deltas: FloatArray
+    back: FloatArray | None = None
+
+    @classmethod
+    def between(cls, vertices_coords: FloatArray, previous_coords: FloatArray) -> Front:
+        """Front with faces behind it: k = 2 pi - theta3 - theta4 (both arrays (m + 1, 3)).
+
+        Raises `InvalidValue` where beta or k leave their interval.
+        """
+        x = vertices_coords
+        length, direction = _edges(x)
+        back = unit(previous_coords[1:-1] - x[1:-1])
+        theta4 = _angle(direction[:-1], back, negate=True)
+        theta3 = _angle(direction[1:], back)
+        return cls._with_k(x, length, direction, 2 * np.pi - theta3 - theta4, back)
+
+    @classmethod
+    def on_curve(cls, vertices_coords: FloatArray, k: FloatArray | float) -> Front:
+        """Front that is only a curve in space; k_i is free in (beta_i, 2 pi - beta_i).
+
+        k : radians, one for all interior vertices or shape (m - 1,). This is the corollary of the
+        paper. Raises `InvalidValue` where beta or k leave their interval.
+        """
+        length, direction = _edges(vertices_coords)
+        angles = np.asarray(k, float)
+        if angles.ndim > 1 or (angles.ndim == 1 and len(angles) != len(vertices_coords) - 2):
+            raise InvalidValue(
+                "k",
+                f"array of shape {angles.shape}",
+                f"be a number or have shape ({len(vertices_coords) - 2},)",
+                "Give one value for each interior vertex of the front.",
+            )
+        spread = np.broadcast_to(angles, len(vertices_coords) - 2)
+        return cls._with_k(vertices_coords, length, direction, spread)
+
+    @classmethod
+    def of(cls, mesh: QuadMesh, side: Side, k: FloatArray | float | None = None) -> Front:
+        """The front on `side` of a patch; `k` where the patch is a curve, and only there."""
+        x = mesh.vertices_coords[mesh.front_vertices(side)]
+        behind = mesh.previous_vertices(side)
+        if behind is None:
+            if k is None:
+                raise InvalidValue(
+                    "k", None, "be given for a curve", "Choose k between beta and 2 pi - beta."
+                )
+            return cls.on_curve(x, k)
+        if k is not None:
+            raise InvalidValue(
+                "k",
+                k,
+                "be left out where faces lie behind the front",
+                "There k follows from developability.",
+            )
+        return cls.between(x, mesh.vertices_coords[behind])
+
+    @classmethod
+    def _with_k(
+        cls,
+        x: FloatArray,
+        length: FloatArray,
+        direction: FloatArray,
+        k: FloatArray,
+        back: FloatArray | None = None,
+    ) -> Front:
+        across = cross(direction[1:], direction[:-1])  # a x b with a = -direction[:-1]
+        sine = norm(across)
+        beta = np.arctan2(sine, -dot(direction[:-1], direction[1:]))
+        require_foldable(beta, k)
+        normals = across / sine[:, None]
+        n0, n1 = normals[:-1], normals[1:]
+        deltas = np.arctan2(dot(direction[1:-1], cross(n0, n1)), dot(n0, n1))
+        return cls(x, length, direction, beta, k, coupling(beta, k), normals, deltas, back)
+
+    def self_intersections(self, flap_angles: FloatArray) -> BoolArray:
+        """Vertices at which new faces would cross the old ones, shape (m - 1, q).
+
+        flap_angles : of every interior vertex for q candidates, shape (m - 1, q).
+        """
+        if self.back is None:
+            return np.zeros(flap_angles.shape, bool)
+        a, b = -self.edges_direction[:-1], self.edges_direction[1:]
+        left, right = locked_flap_angles(a, b, self.back, self.couplings)
+        return self_intersects(flap_angles, left[:, None], right[:, None])
+
+    def rays(
+        self,
+        flap_angle: float,
+        *,
+        at: int = 1,
+        boundary_angles: tuple[float | None, float | None] = (None, None),
+    ) -> Rays:
+        """Directions of the new creases for one flap angle.
+
+        Parameters
+        ----------
+        flap_angle : radians, at the front vertex number `at` (1 to m - 1).
+        boundary_angles : design angles at the first and last vertex, radians in (0, pi), between
+            the front's edge and the new boundary edge; None: parallel to the neighbouring crease.
+        """
+        last = len(self.vertices_coords) - 1
+        if not 1 <= at <= last - 1:
+            raise InvalidValue(
+                "at", at, f"be an interior vertex, 1 to {last - 1}", "Ends have no flap angle."
+            )
+        if not np.isfinite(flap_angle):
+            raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
+        s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
+        cos_flap, sin_flap = c * c - s * s, 2 * s * c
+        sin_beta, cos_beta = np.sin(self.beta), np.cos(self.beta)
+        rise = 2 * np.sin((self.k + self.beta) / 2) * np.sin((self.k - self.beta) / 2)
+        run = np.sin(self.k) - sin_beta * cos_flap  # (S13): theta1 = atan2(rise, run)
+        size = np.hypot(rise, run)
+        cos1, sin1 = run / size, rise / size
+        a = -self.edges_direction[:-1]
+        p = cross(self.normals, a)
+        directions = np.empty_like(self.vertices_coords)
+        directions[1:-1] = (
+            cos1[:, None] * a
+            + (sin1 * cos_flap)[:, None] * p
+            + (sin1 * sin_flap)[:, None] * self.normals
+        )
+        # theta2 = k - theta1: its cosine and sine without another arctangent
+        cos_k, sin_k = np.cos(self.k), np.sin(self.k)
+        cos2, sin2 = cos_k * cos1 + sin_k * sin1, sin_k * cos1 - cos_k * sin1
+        # per edge: angle on its left end (towards the next vertex) and on its right end
+        left = np.empty((2, last))
+        right = np.empty((2, last))
+        left[:, 1:] = cos2, sin2
+        right[:, :-1] = cos1, sin1
+        edge, inner = self.edges_direction[0], directions[1]
+        directions[0], left[:, 0] = _boundary_ray(edge, inner, boundary_angles[0], "left")
+        edge, inner = -self.edges_direction[-1], directions[-2]
+        directions[-1], right[:, -1] = _boundary_ray(edge, inner, boundary_angles[1], "right")
+        flap = np.mod(2 * np.arctan2(s, c), 2 * np.pi)
+        return Rays(
+            self.vertices_coords, directions, flap, _length_bounds(self.edges_length, left, right)
+        )
+
+
+def _edges(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+    if x.ndim != 2 or x.shape[0] < 3 or x.shape[1] != 3:
+        raise InvalidValue(
+            "front", f"array of shape {x.shape}", "have shape (m + 1, 3), m >= 2", "Add vertices."
+        )
+    edge = x[1:] - x[:-1]
+    length = norm(edge)
+    if not (np.isfinite(length).all() and length.all()):
+        i = int(np.flatnonzero(~(np.isfinite(length) & (length > 0)))[0])
+        raise InvalidValue(
+            f"length of front edge {i}",
+            length[i],
+            "be finite and greater than 0",
+            "Remove duplicate vertices from the front.",
+        )
+    return length, edge / length[:, None]
+
+
+def _angle(u: FloatArray, v: FloatArray, *, negate: bool = False) -> FloatArray:
+    along = dot(u, v)
+    out: FloatArray = np.arctan2(norm(cross(u, v)), -along if negate else along)
+    return out
+
+
+def _boundary_ray(
+    edge: FloatArray, inner: FloatArray, angle: float | None, which: str
+) -> tuple[FloatArray, tuple[float, float]]:
+    """Direction at an end of the front in the plane of its quad, with cosine and sine to `edge`.
+
+    edge : unit vector into the front; inner : the neighbouring ray, which fixes the plane.
+    """
+    along = float(edge @ inner)
+    across = inner - along * edge
+    height = float(np.sqrt(across @ across))
+    if angle is None:
+        return inner, (along, height)
+    require_within(
+        f"boundary angle ({which})", angle, 0.0, np.pi, "Leave it out for parallel.", angle=True
+    )
+    cosine, sine = float(np.cos(angle)), float(np.sin(angle))
+    return cosine * edge + sine / height * across, (cosine, sine)
+
+
+def _length_bounds(length: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
+    """Distance at which each ray meets a neighbour (S20, S21); left, right: (cos, sin), (2, m)."""
+    # sum of the two base angles below pi: the rays meet. Parallel ones, up to rounding, do not.
+    meet = left[1] * right[0] + left[0] * right[1]
+    meets = meet > 8 * np.finfo(float).eps
+    base = np.divide(length, meet, out=np.full_like(length, np.inf), where=meets)
+    bounds = np.full(len(length) + 1, np.inf)
+    np.multiply(base, right[1], out=bounds[:-1], where=meets)
+    np.minimum(bounds[1:], np.where(meets, base * left[1], np.inf), out=bounds[1:])
+    return bounds

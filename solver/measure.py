@@ -1,0 +1,82 @@
+"""Is it planar, is it developable, is the flat sheet isometric to the folded one?
+
+All functions take faces of one size, shape (nf, n); meshes of mixed sizes call them once for each.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.mesh import interior_vertices
+from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm
+
+__all__ = ["angle_excess", "developability", "isometry", "planarity", "sector_angles"]
+
+
+def planarity(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
+    """Distance of each face from flat over its longest diagonal: dimensionless, shape (nf,).
+
+    The distance is the spread of the corners along the face's area normal; for a quad it is the
+    distance between the two diagonals. Diagonals join the neighbours of a corner. A face without
+    area (its diagonals parallel) gives NaN, a triangle 0.
+    """
+    corners = vertices_coords[faces_vertices]
+    if faces_vertices.shape[1] == 4:
+        first = corners[:, 2] - corners[:, 0]
+        second = corners[:, 3] - corners[:, 1]
+        normal = cross(first, second)
+        gap = np.abs(dot(normal, corners[:, 1] - corners[:, 0]))
+        longest = np.maximum(dot(first, first), dot(second, second))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            out: FloatArray = gap / (norm(normal) * np.sqrt(longest))
+        return out
+    centred = corners - corners.mean(axis=1, keepdims=True)
+    normal = cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1)
+    diagonals = norm(np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)).max(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        heights = np.einsum("fni,fi->fn", centred, normal / norm(normal)[:, None])
+        spread: FloatArray = np.ptp(heights, axis=1) / diagonals
+    return spread
+
+
+def sector_angles(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
+    """Angle of every face at every corner, radians in [0, pi], shape (nf, n)."""
+    corners = vertices_coords[faces_vertices]
+    edge = np.roll(corners, -1, axis=1) - corners
+    return angle_between(edge, -np.roll(edge, 1, axis=1))
+
+
+def angle_excess(
+    vertices_coords: FloatArray, faces_vertices: IntArray, inside: BoolArray
+) -> FloatArray:
+    """Sum of the sector angles minus 2 pi, radians, at the vertices `inside`; 0 elsewhere.
+
+    Returns shape (nv,).
+    """
+    angles = sector_angles(vertices_coords, faces_vertices)
+    total = np.bincount(faces_vertices.ravel(), angles.ravel(), len(vertices_coords))
+    return np.where(inside, total - 2 * np.pi, 0.0)
+
+
+def developability(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
+    """|2 pi - sum of sector angles| at every vertex, radians, shape (nv,); 0 at the boundary."""
+    inside = interior_vertices(faces_vertices, len(vertices_coords))
+    return np.abs(angle_excess(vertices_coords, faces_vertices, inside))
+
+
+def isometry(
+    vertices_coords: FloatArray, flat_coords: FloatArray, faces_vertices: IntArray
+) -> FloatArray:
+    """Largest relative change of a side or diagonal of each face, shape (nf,), dimensionless.
+
+    vertices_coords : folded, shape (nv, 3); flat_coords : developed, shape (nv, 2) or (nv, 3).
+    """
+    worst = np.zeros(len(faces_vertices))
+    for step in (1, 2) if faces_vertices.shape[1] > 3 else (1,):
+        ends = np.roll(faces_vertices, -step, axis=1)
+        folded = norm(vertices_coords[ends] - vertices_coords[faces_vertices])
+        flat = norm(flat_coords[ends] - flat_coords[faces_vertices])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            change = np.abs(flat - folded) / folded
+        np.maximum(worst, change.max(axis=1), out=worst)
+    return worst

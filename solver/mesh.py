@@ -1,0 +1,222 @@
+"""What is a quad mesh, and which vertices, edges and faces touch?
+
+A patch of R rows and C columns is numbered row after row where it was grown at the top alone:
+
+     side "top"                     vertices of a face, counterclockwise
+     12---13---14---15              seen from the upper side:
+      |  6 |  7 |  8 |
+      8----9---10---11                   3---2
+      |  3 |  4 |  5 |                   |   |
+      4----5----6----7                   0---1
+      |  0 |  1 |  2 |
+      0----1----2----3              row 0 is the bottom, column 0 the left
+
+Growth on other sides gives new vertices and faces the next free numbers; old numbers never change,
+and `grid` keeps which vertex stands at (row, column).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from solver.errors import InvalidValue
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
+
+
+class Side(StrEnum):
+    """A side of a patch, as drawn in the module's numbering."""
+
+    TOP = "top"
+    RIGHT = "right"
+    BOTTOM = "bottom"
+    LEFT = "left"
+
+
+# Quarter turns (numpy.rot90) that bring a side to the top; fronts then run left to right.
+_TURNS = {Side.TOP: 0, Side.LEFT: 1, Side.BOTTOM: 2, Side.RIGHT: 3}
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Unique edges of a polygon mesh.
+
+    Attributes
+    ----------
+    edges_vertices : shape (ne, 2); edge direction is that of its first face.
+    edges_faces : shape (ne, 2), the face on the left of the edge and the other one;
+        -1 in the second column at the boundary.
+    """
+
+    edges_vertices: IntArray
+    edges_faces: IntArray
+
+
+@dataclass(frozen=True)
+class QuadMesh:
+    """A patch of planar quads in space. Arrays are read-only.
+
+    Attributes
+    ----------
+    vertices_coords : shape (nv, 3).
+    faces_vertices : shape (nf, 4), counterclockwise seen from the upper side.
+    grid : shape (R, C), the vertex at each row and column; with R = 1 the mesh is a curve.
+    """
+
+    vertices_coords: FloatArray
+    faces_vertices: IntArray
+    grid: IntArray
+
+    def __post_init__(self) -> None:
+        for array in (self.vertices_coords, self.faces_vertices, self.grid):
+            array.flags.writeable = False
+
+    @classmethod
+    def from_rows(cls, rows: FloatArray | Sequence[FloatArray]) -> QuadMesh:
+        """The patch with the vertices `rows`, shape (R, C, 3), numbered row after row.
+
+        Raises `InvalidValue` for other shapes, fewer than 3 columns, or values that are not finite.
+        """
+        coords = np.array(rows, dtype=np.float64)
+        if coords.ndim != 3 or coords.shape[2] != 3 or coords.shape[0] < 1 or coords.shape[1] < 3:
+            raise InvalidValue(
+                "rows",
+                f"array of shape {coords.shape}",
+                "have shape (rows, columns, 3) with at least 1 row and 3 columns",
+                "Give one row of points per grid row.",
+            )
+        if not np.isfinite(coords).all():
+            raise InvalidValue(
+                "rows", "NaN or infinity", "hold finite coordinates", "Check where they come from."
+            )
+        grid = np.arange(coords.shape[0] * coords.shape[1]).reshape(coords.shape[:2])
+        return cls(coords.reshape(-1, 3), _grid_faces(grid), grid)
+
+    @cached_property
+    def edges(self) -> Edges:
+        """Unique edges with the faces beside them."""
+        return edges_of(self.faces_vertices.ravel(), np.arange(len(self.faces_vertices) + 1) * 4)
+
+    def front_vertices(self, side: Side) -> IntArray:
+        """Vertex numbers along `side`, in the direction that has new growth on its left."""
+        return np.rot90(self.grid, _TURNS[side])[-1]
+
+    def previous_vertices(self, side: Side) -> IntArray | None:
+        """Vertex numbers of the grid line behind the front; None where the front is a curve."""
+        turned = np.rot90(self.grid, _TURNS[side])
+        return turned[-2] if len(turned) > 1 else None
+
+    def extended(self, side: Side, rows: FloatArray) -> QuadMesh:
+        """This mesh with `rows`, shape (n, C', 3), grown one after another on `side`."""
+        count, width = rows.shape[:2]
+        new = len(self.vertices_coords) + np.arange(count * width).reshape(count, width)
+        turned = np.rot90(self.grid, _TURNS[side])
+        grown = np.vstack([turned, new])
+        faces = _grid_faces(grown[len(turned) - 1 :])
+        return QuadMesh(
+            np.concatenate([self.vertices_coords, rows.reshape(-1, 3)]),
+            np.concatenate([self.faces_vertices, faces]),
+            np.rot90(grown, -_TURNS[side]).copy(),
+        )
+
+
+def _grid_faces(grid: IntArray) -> IntArray:
+    corners = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
+    return np.stack(corners, axis=-1).reshape(-1, 4).astype(np.int64)
+
+
+def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
+    """Unique edges of polygons, in the order in which the faces first name them.
+
+    corners : vertices of all faces, one face after another; offsets : where each face begins,
+    shape (nf + 1,). Raises `InvalidValue` where an edge has more than two faces or two faces
+    wind it the same way.
+    """
+    sizes = np.diff(offsets)
+    face = np.repeat(np.arange(len(sizes)), sizes)
+    following = np.arange(len(corners)) + 1
+    following[offsets[1:] - 1] = offsets[:-1]
+    start, end = corners, corners[following]
+    count = int(corners.max()) + 1 if len(corners) else 0
+    key = np.minimum(start, end) * count + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    first = np.ones(len(key), bool)
+    first[1:] = key[order][1:] != key[order][:-1]
+    group = np.cumsum(first) - 1
+    members = np.bincount(group)
+    heads = order[first]
+    second = np.full(len(heads), -1)
+    shared = ~first
+    second[group[shared]] = order[shared]
+    crowded = np.flatnonzero(members > 2)
+    if len(crowded):
+        h = heads[crowded[0]]
+        raise InvalidValue(
+            f"edge ({start[h]}, {end[h]})",
+            f"{members[crowded[0]]} faces",
+            "belong to at most 2 faces",
+            "Split the sheet where more than two faces meet in an edge.",
+        )
+    paired = second >= 0
+    same = paired.copy()
+    same[paired] = start[heads[paired]] == start[second[paired]]
+    if same.any():
+        h = heads[np.flatnonzero(same)[0]]
+        raise InvalidValue(
+            f"edge ({start[h]}, {end[h]})",
+            "wound the same way by both faces",
+            "be wound in opposite directions",
+            "Turn one of the two faces around.",
+        )
+    rank = np.argsort(heads)
+    heads, second = heads[rank], second[rank]
+    vertices = np.column_stack([start[heads], end[heads]])
+    faces = np.column_stack([face[heads], np.where(second >= 0, face[second], -1)])
+    return Edges(vertices, faces)
+
+
+def interior_vertices(faces_vertices: IntArray, count: int) -> BoolArray:
+    """Which of `count` vertices are surrounded by faces, shape (count,), for a manifold mesh.
+
+    Around an interior vertex the vertices that follow it in its faces are those that precede it;
+    at the boundary one of each is left over. Comparing the two sums needs no edge list.
+    """
+    following = np.roll(faces_vertices, -1, axis=1).ravel()
+    preceding = np.roll(faces_vertices, 1, axis=1).ravel()
+    corner = faces_vertices.ravel()
+    balance = np.bincount(corner, (following - preceding).astype(np.float64), count)
+    used = np.bincount(corner, minlength=count) > 0
+    inside: BoolArray = (balance == 0) & used
+    return inside
+
+
+def boundary_loops(edges: Edges) -> list[IntArray]:
+    """Boundary of the mesh as vertex loops, faces on the left; longest loop first.
+
+    Raises `InvalidValue` where the boundary touches itself in a vertex.
+    """
+    sides = edges.edges_vertices[edges.edges_faces[:, 1] < 0]
+    follow = dict(zip(sides[:, 0].tolist(), sides[:, 1].tolist(), strict=True))
+    if len(follow) != len(sides):
+        values, counts = np.unique(sides[:, 0], return_counts=True)
+        raise InvalidValue(
+            f"vertex {values[counts > 1][0]}",
+            "in two places of the boundary",
+            "be passed once by the boundary",
+            "Split the vertex, or join the faces around it.",
+        )
+    loops = []
+    while follow:
+        start, vertex = next(iter(follow.items()))
+        loop = []
+        while vertex in follow:
+            loop.append(vertex)
+            vertex = follow.pop(vertex)
+        loops.append(np.array([start, *loop[:-1]] if loop[-1] == start else loop))
+    return sorted(loops, key=len, reverse=True)

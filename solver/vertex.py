@@ -1,0 +1,144 @@
+"""Which way does the fourth crease of a degree-4 vertex go, and what flap angle is that?
+
+At a front vertex the two old creases point along the unit vectors `a` (towards the previous front
+vertex) and `b` (towards the next one), at the angle beta; the two old faces leave the angle
+k = 2 pi - theta3 - theta4 for the two new ones.
+
+                 r                  n = unit(a x b)    normal of the beta plane
+       theta1   |   theta2          p = n x a          in the beta plane, on b's side
+       a _______|_______ b          flap angle alpha: about a, from p towards n,
+       theta4   |   theta3          of the new face between a and r
+                 c
+
+Source: Dudte, Choi and Mahadevan, "An additive algorithm for origami design", PNAS 118 (2021),
+supplementary information S1, equation (S13).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.errors import InvalidValue, require_within
+from solver.vectors import BoolArray, FloatArray, cross, dot, unit
+
+__all__ = [
+    "flap_angle_of",
+    "growth_direction",
+    "locked_flap_angles",
+    "require_foldable",
+    "sector_angles",
+    "self_intersects",
+]
+
+
+def require_foldable(beta: FloatArray, k: FloatArray) -> None:
+    """Raise `InvalidValue`, naming the first vertex, unless 0 < beta < pi and beta < k < 2 pi - beta.
+
+    beta, k : radians, shape (n,).
+    """
+    for i in np.flatnonzero(~((beta > 0) & (beta < np.pi))):
+        require_within(
+            f"beta[{i}]",
+            float(beta[i]),
+            0.0,
+            np.pi,
+            "Front vertices must turn: move the vertex off the line through its neighbours.",
+            angle=True,
+        )
+    for i in np.flatnonzero(~((k > beta) & (k < 2 * np.pi - beta))):
+        require_within(
+            f"k[{i}]",
+            float(k[i]),
+            float(beta[i]),
+            float(2 * np.pi - beta[i]),
+            "The sectors left at a vertex must leave room to fold: choose k inside, "
+            "or change the front's angle beta.",
+            angle=True,
+        )
+
+
+def sector_angles(
+    flap_angle: FloatArray, beta: FloatArray, k: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Design angles (theta1, theta2) of the new faces, equation (S13).
+
+    Parameters
+    ----------
+    flap_angle, beta, k : radians, shapes that broadcast. Needs 0 < beta < pi and
+        beta < k < 2 pi - beta (`InvalidValue` otherwise).
+
+    Returns
+    -------
+    theta1 in (0, pi) between a and the new crease, theta2 = k - theta1 between it and b.
+    """
+    alpha, b, s = np.broadcast_arrays(
+        np.asarray(flap_angle, float), np.asarray(beta, float), np.asarray(k, float)
+    )
+    require_foldable(b.ravel(), s.ravel())
+    if not np.isfinite(alpha).all():
+        raise InvalidValue("flap_angle", "NaN or infinity", "be finite", "Give an angle in radians.")
+    # cos beta - cos k > 0 as a product: no cancellation where k comes near beta.
+    rise = 2 * np.sin((s + b) / 2) * np.sin((s - b) / 2)
+    theta1 = np.arctan2(rise, np.sin(s) - np.sin(b) * np.cos(alpha))
+    return theta1, s - theta1
+
+
+def growth_direction(
+    a: FloatArray, b: FloatArray, flap_angle: FloatArray, k: FloatArray
+) -> FloatArray:
+    """Unit direction of the new crease, shape (n, 3).
+
+    a, b : unit directions of the old creases, shape (n, 3); flap_angle, k : radians, shape (n,).
+    Raises `InvalidValue` where beta or k leave their interval.
+    """
+    ab = cross(a, b)
+    beta = np.arctan2(np.sqrt(dot(ab, ab)), dot(a, b))
+    theta1, _ = sector_angles(flap_angle, beta, k)
+    n = unit(ab)
+    p = cross(n, a)
+    return (
+        np.cos(theta1)[..., None] * a
+        + (np.sin(theta1) * np.cos(flap_angle))[..., None] * p
+        + (np.sin(theta1) * np.sin(flap_angle))[..., None] * n
+    )
+
+
+def flap_angle_of(a: FloatArray, b: FloatArray, direction: FloatArray) -> FloatArray:
+    """Flap angle in [0, 2 pi) of the face between `a` and `direction`: the inverse question.
+
+    a, b, direction : shape (n, 3), `a` and `b` not parallel; lengths do not matter.
+    """
+    n = unit(cross(a, b))
+    p = cross(n, unit(a))
+    out: FloatArray = np.mod(np.arctan2(dot(direction, n), dot(direction, p)), 2 * np.pi)
+    return out
+
+
+def locked_flap_angles(
+    a: FloatArray, b: FloatArray, c: FloatArray, couplings: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Flap angles that lay a new face onto the old one beside it (S2): locked left and right.
+
+    a, b, c : unit directions of the old creases, shape (n, 3); couplings : see
+    `solver.transfer.coupling`, shape (n,). Both in [0, 2 pi), and both in (0, pi) or both in
+    (pi, 2 pi): on c's side of the beta plane.
+    """
+    left = flap_angle_of(a, b, c)
+    n = unit(cross(a, b))
+    right_flap = np.arctan2(dot(c, n), dot(c, cross(b, n)))  # about b, of the old right face
+    right = 2 * np.arctan2(couplings * np.cos(right_flap / 2), np.sin(right_flap / 2))
+    return left, np.mod(right, 2 * np.pi)
+
+
+def self_intersects(flap_angle: FloatArray, left: FloatArray, right: FloatArray) -> BoolArray:
+    """Whether the new faces cross the old ones at the vertex (S2 B), for locked angles given.
+
+    New creases on the other side of the beta plane than the old crease c never cross. On c's side
+    the two pairs of faces are nested, and free, between the two locked flap angles; elsewhere they
+    cross. Shapes broadcast.
+    """
+    alpha = np.mod(flap_angle, 2 * np.pi)
+    same_side = (alpha < np.pi) == (left < np.pi)
+    between = (alpha > np.minimum(left, right)) & (alpha < np.maximum(left, right))
+    out: BoolArray = same_side & ~between
+    return out
