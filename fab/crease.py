@@ -139,7 +139,9 @@ def face_normals(
 ) -> FloatArray:
     """Unit area normals of polygons in space, shape (nf, 3)."""
     sizes = np.diff(faces_offsets)
-    corner = coords[faces_vertices] - np.repeat(coords[faces_vertices[faces_offsets[:-1]]], sizes, 0)
+    corner = coords[faces_vertices] - np.repeat(
+        coords[faces_vertices[faces_offsets[:-1]]], sizes, 0
+    )
     following = np.arange(len(corner)) + 1
     following[faces_offsets[1:] - 1] = faces_offsets[:-1]
     return unit(np.add.reduceat(cross(corner, corner[following]), faces_offsets[:-1]))

@@ -105,7 +105,10 @@ def _unfolding_tree(
     if not np.isfinite(distance).all():
         lost = np.flatnonzero(~np.isfinite(distance))
         raise InvalidValue(
-            "mesh", f"faces {root} and {lost[0]} not connected", "be one piece", "Develop each piece."
+            "mesh",
+            f"faces {root} and {lost[0]} not connected",
+            "be one piece",
+            "Develop each piece.",
         )
     depth = np.full(count, -1)
     depth[root] = 0

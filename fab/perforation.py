@@ -100,9 +100,7 @@ def perforate(
     return CutPaths(tuple(layers), (width, height)), findings
 
 
-def dashes(
-    ends: FloatArray, style: DashStyle, margin_mm: float
-) -> tuple[FloatArray, IntArray]:
+def dashes(ends: FloatArray, style: DashStyle, margin_mm: float) -> tuple[FloatArray, IntArray]:
     """Cuts along lines, symmetrical, with a whole number of periods between the margins.
 
     Parameters

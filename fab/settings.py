@@ -8,6 +8,8 @@ __all__ = ["Settings"]
 
 
 class Settings(BaseModel):
-    """Base of all tables of a job: read-only, no unknown keys, no NaN or infinity."""
+    """Base of all tables of a job: read-only, no unknown keys, no NaN, no text for numbers."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, strict=True, validate_default=True
+    )

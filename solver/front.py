@@ -44,9 +44,11 @@ class Rays:
 
     def row(self, lengths: FloatArray | float) -> FloatArray:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
-        return self.vertices_coords + np.multiply.outer(
-            np.broadcast_to(lengths, len(self.directions)), np.ones(3)
-        ) * self.directions
+        return (
+            self.vertices_coords
+            + np.multiply.outer(np.broadcast_to(lengths, len(self.directions)), np.ones(3))
+            * self.directions
+        )
 
 
 @dataclass(frozen=True)

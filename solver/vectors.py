@@ -7,7 +7,17 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoolArray", "ComplexArray", "FloatArray", "IntArray", "angle_between", "cross", "dot", "norm", "unit"]
+__all__ = [
+    "BoolArray",
+    "ComplexArray",
+    "FloatArray",
+    "IntArray",
+    "angle_between",
+    "cross",
+    "dot",
+    "norm",
+    "unit",
+]
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]

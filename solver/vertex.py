@@ -76,7 +76,9 @@ def sector_angles(
     )
     require_foldable(b.ravel(), s.ravel())
     if not np.isfinite(alpha).all():
-        raise InvalidValue("flap_angle", "NaN or infinity", "be finite", "Give an angle in radians.")
+        raise InvalidValue(
+            "flap_angle", "NaN or infinity", "be finite", "Give an angle in radians."
+        )
     # cos beta - cos k > 0 as a product: no cancellation where k comes near beta.
     rise = 2 * np.sin((s + b) / 2) * np.sin((s - b) / 2)
     theta1 = np.arctan2(rise, np.sin(s) - np.sin(b) * np.cos(alpha))

@@ -61,9 +61,7 @@ class Crumpled:
 
         return grow(seed, self.strips - 1, choose, progress=progress)
 
-    def _lengths(
-        self, front: Front, random: np.random.Generator
-    ) -> Callable[[Rays], FloatArray]:
+    def _lengths(self, front: Front, random: np.random.Generator) -> Callable[[Rays], FloatArray]:
         def lengths(rays: Rays) -> FloatArray:
             bound = np.minimum(rays.length_bounds, self.length_limit)
             free = np.interp(np.arange(len(bound)), np.arange(1, len(bound) - 1), front.k)

@@ -1,0 +1,194 @@
+"""What can be asked on the command line, and with which exit code is it answered?
+
+0: made and within tolerance. 1: made, but with a finding of severity error. 2: bad usage or bad
+input, nothing written.
+"""
+
+from __future__ import annotations
+
+import difflib
+import sys
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fab.errors import Finding, InvalidFile, InvalidJob, Severity
+from solver.errors import OrigamiError
+
+if TYPE_CHECKING:
+    from fab.job import Format
+
+__all__ = ["main"]
+
+_PACKAGED = Path(__file__).parent / "templates"
+_CHECKED_OUT = Path(__file__).parent.parent / "templates"
+
+
+@contextmanager
+def _answers() -> Iterator[None]:
+    """Turn expected errors into one message and exit code 2."""
+    try:
+        yield
+    except OrigamiError as error:
+        click.echo(f"quadfold: {error}", err=True)
+        sys.exit(2)
+    except MemoryError:
+        click.echo("quadfold: the model does not fit into memory. Lower columns or strips.", err=True)
+        sys.exit(2)
+    except OSError as error:
+        click.echo(f"quadfold: {error.filename or ''}: {error.strerror}. Nothing kept.", err=True)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        click.echo("quadfold: interrupted; no half-written file was left.", err=True)
+        sys.exit(130)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="quadfold")
+def main() -> None:
+    """Quad origami, from a job file to files for laser cutters, 3D printers and simulators."""
+
+
+@main.command()
+@click.argument("job", type=click.Path(path_type=Path))
+@click.option("--out", default=".", type=click.Path(path_type=Path), help="Folder to write into.")
+@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change a key of the job.")
+@click.option("--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: all).")
+@click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
+def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
+    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
+    with _answers():
+        from fab.job import load_job, make, require_folder, write
+
+        formats = _formats(only)
+        loaded = load_job(job, changes)
+        require_folder(out)
+        with _progress() as progress:
+            made = make(loaded, formats, progress)
+        if not dry_run:
+            write(made, out)
+        for output in made.report["outputs"]:
+            verb = "would write" if dry_run else "wrote"
+            click.echo(f"{verb} {out / output['file']}  {output['bytes']} bytes")
+        click.echo(f"{'would write' if dry_run else 'wrote'} {out / 'report.json'}")
+        report = made.report
+        click.echo(
+            f"{report['counts']['faces']} faces; planarity {report['planarity_max']:.1e}, "
+            f"developability {report['developability_max_rad']:.1e} rad, "
+            f"isometry {report['isometry_max_rel']:.1e}"
+        )
+        _tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)
+
+
+@main.command()
+def templates() -> None:
+    """List the shipped jobs, one line each."""
+    with _answers():
+        for path in _template_files():
+            description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
+            click.echo(f"{path.stem:<16} {description}")
+
+
+@main.command()
+@click.argument("template")
+@click.option("--out", default=None, type=click.Path(path_type=Path), help="File to write.")
+def new(template: str, out: Path | None) -> None:
+    """Copy a shipped job to a file of your own, to edit."""
+    with _answers():
+        known = {path.stem: path for path in _template_files()}
+        if template not in known:
+            close = difflib.get_close_matches(template, known, 1, 0.4)
+            hint = f" Did you mean {close[0]}?" if close else ""
+            raise InvalidJob(f"template {template!r} must be one of {', '.join(known)}.{hint}")
+        target = out if out is not None else Path(f"{template}.toml")
+        if target.exists():
+            raise InvalidJob(f"{target} exists already. Give another file with --out.")
+        beside = target.with_name(f".{target.name}.part")
+        beside.write_bytes(known[template].read_bytes())
+        beside.replace(target)
+        click.echo(f"wrote {target}; make its files with: quadfold run {target} --out out")
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
+)
+def check(file: Path, tolerance: float) -> None:
+    """Measure a FOLD file that has a folded frame: planar, developable, isometric?"""
+    with _answers():
+        from fab.fold_file import read_fold
+        from fab.inspection import inspect_accuracy, inspect_angles, measure_pattern
+
+        pattern = read_fold(file)
+        if pattern.folded_coords is None:
+            raise InvalidFile(
+                f"{file}: no folded frame to measure. Add a frame of class foldedForm."
+            )
+        accuracy = measure_pattern(pattern)
+        angles = inspect_angles(pattern)
+        counts = pattern.counts()
+        click.echo(f"vertices            {len(pattern.vertices_coords)}")
+        click.echo(f"faces               {pattern.face_count}")
+        click.echo(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
+        click.echo(f"planarity           {accuracy.planarity_max:.3e}")
+        click.echo(f"developability      {accuracy.developability_max_rad:.3e} rad")
+        click.echo(f"isometry            {accuracy.isometry_max_rel:.3e}")
+        findings = inspect_accuracy(accuracy, tolerance) + angles
+        _tell(findings)
+    sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
+
+
+def _tell(findings: list[Finding] | tuple[Finding, ...]) -> None:
+    for finding in findings:
+        click.echo(f"{finding.severity}: {finding.code}: {finding.text}", err=True)
+
+
+def _template_files() -> list[Path]:
+    folder = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
+    return sorted(folder.glob("*.toml"))
+
+
+def _formats(only: str | None) -> list[Format]:
+    from fab.job import Format
+
+    if only is None:
+        return list(Format)
+    known = [str(f) for f in Format]
+    chosen = []
+    for word in only.split(","):
+        name = word.strip().lower()
+        if name not in known:
+            close = difflib.get_close_matches(name, known, 1, 0.3)
+            hint = f" Did you mean {close[0]}?" if close else ""
+            raise InvalidJob(f"--only {name!r} must be among {','.join(known)}.{hint}")
+        chosen.append(Format(name))
+    return chosen
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str, int, int], None]]:
+    """A bar on a terminal, nothing in a pipe."""
+    if not sys.stderr.isatty():
+        yield lambda stage, done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    bar = Progress(
+        TextColumn("{task.description:<10}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task("", total=1)
+        yield lambda stage, done, total: bar.update(
+            task, description=stage, completed=done, total=total
+        )
