@@ -1,1 +1,1 @@
-"""Materials, machines and files: from a folded mesh to what a cutter, a printer and a simulator take."""
+"""Materials, machines and files: what a cutter, a printer and a simulator take."""

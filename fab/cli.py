@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,7 +37,9 @@ def _answers() -> Iterator[None]:
         click.echo(f"quadfold: {error}", err=True)
         sys.exit(2)
     except MemoryError:
-        click.echo("quadfold: the model does not fit into memory. Lower columns or strips.", err=True)
+        click.echo(
+            "quadfold: the model does not fit into memory. Lower columns or strips.", err=True
+        )
         sys.exit(2)
     except OSError as error:
         click.echo(f"quadfold: {error.filename or ''}: {error.strerror}. Nothing kept.", err=True)
@@ -56,7 +58,9 @@ def main() -> None:
 @main.command()
 @click.argument("job", type=click.Path(path_type=Path))
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="Folder to write into.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change a key of the job.")
+@click.option(
+    "--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change a key of the job."
+)
 @click.option("--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: all).")
 @click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
 def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
@@ -144,9 +148,12 @@ def check(file: Path, tolerance: float) -> None:
     sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
 
 
-def _tell(findings: list[Finding] | tuple[Finding, ...]) -> None:
-    for finding in findings:
-        click.echo(f"{finding.severity}: {finding.code}: {finding.text}", err=True)
+def _tell(findings: Sequence[Finding]) -> None:
+    """One line for each code of finding; all of them stand in report.json."""
+    for code in dict.fromkeys(finding.code for finding in findings):
+        alike = [finding for finding in findings if finding.code == code]
+        more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
+        click.echo(f"{alike[0].severity}: {code}: {alike[0].text}{more}", err=True)
 
 
 def _template_files() -> list[Path]:
@@ -175,7 +182,7 @@ def _formats(only: str | None) -> list[Format]:
 def _progress() -> Iterator[Callable[[str, int, int], None]]:
     """A bar on a terminal, nothing in a pipe."""
     if not sys.stderr.isatty():
-        yield lambda stage, done, total: None
+        yield lambda *_: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn

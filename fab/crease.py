@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from fab.development import Development
 from solver.errors import InvalidValue, require_positive
-from solver.mesh import Edges, QuadMesh, edges_of
+from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
 __all__ = ["FLAT_ANGLE_DEG", "CreasePattern", "crease_pattern", "fold_angles_deg"]

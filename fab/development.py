@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -120,7 +121,7 @@ def _unfolding_tree(
     depth = np.array(rank)
     by_depth = np.argsort(depth, kind="stable")
     bounds = np.searchsorted(depth[by_depth], np.arange(depth.max() + 2))
-    return parent, [by_depth[i:j] for i, j in zip(bounds[:-1], bounds[1:], strict=True)]
+    return parent, [by_depth[i:j] for i, j in pairwise(bounds)]
 
 
 def _face_motions(
@@ -188,9 +189,9 @@ def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArr
     cannot overlap; only where that fails are the faces compared pair by pair.
     """
     loops = boundary_loops(edges)
-    if len(loops) == 1 and signed_areas(flat, faces).min() > 0:
-        if shapely.is_valid(shapely.polygons(flat[loops[0]])):
-            return np.empty((0, 2), np.int64)
+    same_way = len(loops) == 1 and signed_areas(flat, faces).min() > 0
+    if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):
+        return np.empty((0, 2), np.int64)
     return np.array(list(_overlapping_pairs(flat, faces)), np.int64).reshape(-1, 2)
 
 

@@ -6,6 +6,7 @@ Specification: https://github.com/edemaine/fold/blob/main/doc/spec.md (version 1
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,7 @@ def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
         "edges_vertices": pattern.edges_vertices.tolist(),
         "edges_assignment": pattern.edges_assignment.tolist(),
         "edges_foldAngle": pattern.edges_foldAngle.tolist(),
-        "faces_vertices": [corners[i:j] for i, j in zip(bounds[:-1], bounds[1:], strict=True)],
+        "faces_vertices": [corners[i:j] for i, j in pairwise(bounds)],
     }
     if pattern.folded_coords is not None:
         document["file_frames"] = [

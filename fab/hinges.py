@@ -75,16 +75,15 @@ def make_webs(
     low, high = low + settings.relief_mm, high - settings.relief_mm
     fits = high - low >= settings.web_mm
     findings = _missing(creases[~fits])
-    creases, sides, u, normal, low, high = (
-        array[fits] for array in (creases, sides, u, normal, low, high)
-    )
-    origin = ends[fits, 0]
+    creases, sides, origin = creases[fits], sides[fits], ends[fits, 0]
+    u, normal, low, high = u[fits], normal[fits], low[fits], high[fits]
 
     def ring_at(one: FloatArray, two: FloatArray) -> FloatArray:
         at = np.stack([high, low, low, high], axis=1)
         off = np.stack([one, one, two, two], axis=1)
         points = origin[:, None] + at[..., None] * u[:, None] + off[..., None] * normal[:, None]
-        return points.reshape(-1, 2)
+        flat: FloatArray = points.reshape(-1, 2)
+        return flat
 
     below_first, above_first, below_second, above_second = (s[fits] for s in setbacks)
     prisms = Prisms(

@@ -20,7 +20,14 @@ from fab.solid import TriangleMesh, prism_meshes
 from solver.measure import angle_excess, isometry, planarity
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Accuracy", "SolidFigures", "inspect_accuracy", "inspect_angles", "inspect_solids", "measure_pattern"]
+__all__ = [
+    "Accuracy",
+    "SolidFigures",
+    "inspect_accuracy",
+    "inspect_angles",
+    "inspect_solids",
+    "measure_pattern",
+]
 
 # manifold3d reports up to 5e-13 mm3 where two bodies only touch; real overlaps are far larger.
 _OVERLAP_MM3 = 1e-6

@@ -65,10 +65,13 @@ class DesignSettings(Settings):
         values = self.model_dump()
         cls = DESIGNS[values.pop("kind")]
         turned = {
-            field.name: math.radians(values[_key(field)]) if _is_angle(field) else values[field.name]
+            field.name: math.radians(values[_key(field)])
+            if _is_angle(field)
+            else values[field.name]
             for field in dataclasses.fields(cls)
         }
-        return cls(**turned)
+        design: Design = cls(**turned)  # type: ignore[arg-type]
+        return design
 
 
 def _is_angle(field: dataclasses.Field[Any]) -> bool:
@@ -108,7 +111,7 @@ class SheetSettings(Settings):
         """Millimetres per design unit."""
         if self.scale_mm_per_unit is not None:
             return self.scale_mm_per_unit
-        assert self.width_mm is not None  # noqa: S101 (the validator's promise)
+        assert self.width_mm is not None  # the validator's promise
         return self.width_mm / float(development.vertices_coords.max())
 
 
@@ -255,9 +258,7 @@ class _Clock:
         self.seconds[name] = round(time.perf_counter() - begin, 4)
 
 
-def make(
-    job: Job, formats: Sequence[Format] = tuple(Format), progress: Progress = _silent
-) -> Made:
+def make(job: Job, formats: Sequence[Format] = tuple(Format), progress: Progress = _silent) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
 
     progress : called with (stage, steps done, steps in the stage).

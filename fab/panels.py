@@ -1,7 +1,7 @@
 """Which solid stands on each face of the sheet, set back from its creases?
 
-Every panel is a prism between two rings of corners, the bottom one on z = 0 with the crease axes and
-the top one at the sheet's thickness. A side on a crease is set back, a side on the outline is not:
+Every panel is a prism between two rings of corners, the bottom one on z = 0 with the crease axes
+and the top one at the sheet's thickness. A side on a crease is set back, one on the outline is not:
 
         gap
       |<--->|
@@ -100,9 +100,7 @@ def next_corner(offsets: IntArray) -> IntArray:
     return following
 
 
-def make_panels(
-    pattern: CreasePattern, settings: PanelSettings
-) -> tuple[Panels, list[Finding]]:
+def make_panels(pattern: CreasePattern, settings: PanelSettings) -> tuple[Panels, list[Finding]]:
     """One panel for each face; faces that are eaten up by their gaps are left out, and named."""
     corners, offsets = pattern.faces_vertices, pattern.faces_offsets
     following = next_corner(offsets)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -29,15 +31,12 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
     figure = Figure(figsize=(16, 8), dpi=100)
     FigureCanvasAgg(figure)
     folded = pattern.folded_coords
-    columns = 1 if folded is None else 2
     edge_count = len(pattern.edges_vertices)
     if folded is not None:
-        space = figure.add_subplot(1, columns, 1, projection="3d")
+        space: Any = figure.add_axes((0.0, 0.0, 0.5, 1.0), projection="3d", proj_type="ortho")
         turned = folded @ _principal_axes(folded).T
         bounds = pattern.faces_offsets.tolist()
-        faces = [
-            turned[pattern.faces_vertices[i:j]] for i, j in zip(bounds[:-1], bounds[1:], strict=True)
-        ]
+        faces = [turned[pattern.faces_vertices[i:j]] for i, j in pairwise(bounds)]
         space.view_init(elev=35, azim=-60)
         toward = np.array([np.cos(np.radians(35)) * 0.5, -np.cos(np.radians(35)) * 0.866, 0.5736])
         colours = _shades(pattern, turned, toward)
@@ -52,9 +51,10 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
         low, high = turned.min(axis=0), turned.max(axis=0)
         for axis, (a, b) in zip("xyz", zip(low, high, strict=True), strict=True):
             getattr(space, f"set_{axis}lim")(a, b if b > a else a + 1)
-        space.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.25)
+        space.set_box_aspect(np.maximum(high - low, 1e-3 * (high - low).max()), zoom=1.0)
         space.set_axis_off()
-    plane = figure.add_subplot(1, columns, columns)
+    left = 0.04 if folded is None else 0.54
+    plane = figure.add_axes((left, 0.06, 0.98 - left, 0.87))
     for letter in "FMVB":
         chosen = pattern.edges_assignment == letter
         lines = pattern.vertices_coords[pattern.edges_vertices[chosen]]
@@ -68,7 +68,6 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
         f"{title}: {pattern.face_count} faces, {counts['M']} mountains (red), "
         f"{counts['V']} valleys (blue)"
     )
-    figure.tight_layout()
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": "quadfold"})
     return stream.getvalue()

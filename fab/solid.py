@@ -53,9 +53,7 @@ def prism_meshes(prisms: Prisms) -> list[TriangleMesh]:
         low, high = cap_triangles(bottom), cap_triangles(top)
         i = np.arange(n)
         j = (i + 1) % n
-        sides = np.concatenate(
-            [np.column_stack([i, j, j + n]), np.column_stack([i, j + n, i + n])]
-        )
+        sides = np.concatenate([np.column_stack([i, j, j + n]), np.column_stack([i, j + n, i + n])])
         for place, member in enumerate(members.tolist()):
             height = prisms.heights_mm[member]
             vertices = np.zeros((2 * n, 3))
@@ -76,8 +74,11 @@ def cap_triangles(rings: FloatArray) -> IntArray:
     count, n = rings.shape[:2]
     corners = np.arange(n)
     fans = np.stack(
-        [np.column_stack([np.full(n - 2, s), (s + k) % n, (s + k + 1) % n])
-         for s in corners for k in [np.arange(1, n - 1)]]
+        [
+            np.column_stack([np.full(n - 2, s), (s + k) % n, (s + k + 1) % n])
+            for s in corners
+            for k in [np.arange(1, n - 1)]
+        ]
     )
     points = rings[:, fans]
     one, two = points[..., 1, :] - points[..., 0, :], points[..., 2, :] - points[..., 0, :]
@@ -247,9 +248,7 @@ def threemf_bytes(mesh: TriangleMesh, name: str) -> bytes:
     return stream.getvalue()
 
 
-def assembly(
-    panels: Panels, webs: Webs, assignments: Sequence[str], name: str
-) -> Compound:
+def assembly(panels: Panels, webs: Webs, assignments: Sequence[str], name: str) -> Compound:
     """The panels and webs as named, coloured CAD solids in one build123d compound.
 
     assignments : letter of every edge of the pattern. Panel f stands on face f, hinge e on edge e.

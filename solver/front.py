@@ -44,11 +44,8 @@ class Rays:
 
     def row(self, lengths: FloatArray | float) -> FloatArray:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
-        return (
-            self.vertices_coords
-            + np.multiply.outer(np.broadcast_to(lengths, len(self.directions)), np.ones(3))
-            * self.directions
-        )
+        spread = np.broadcast_to(np.asarray(lengths, float), len(self.directions))
+        return self.vertices_coords + spread[:, None] * self.directions
 
 
 @dataclass(frozen=True)
@@ -156,6 +153,17 @@ class Front:
         left, right = locked_flap_angles(a, b, self.back, self.couplings)
         return self_intersects(flap_angles, left[:, None], right[:, None])
 
+    def away_from_back(self, flap_angles: FloatArray) -> BoolArray:
+        """Vertices whose new crease and old crease lie on different sides of the beta plane.
+
+        There old and new faces can neither cross nor nest. Shapes as in `self_intersections`.
+        """
+        if self.back is None:
+            return np.ones(flap_angles.shape, bool)
+        above = dot(self.back, self.normals) > 0
+        out: BoolArray = (np.mod(flap_angles, 2 * np.pi) < np.pi) != above[:, None]
+        return out
+
     def rays(
         self,
         flap_angle: float,
@@ -180,7 +188,7 @@ class Front:
             raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
         s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
         cos_flap, sin_flap = c * c - s * s, 2 * s * c
-        sin_beta, cos_beta = np.sin(self.beta), np.cos(self.beta)
+        sin_beta = np.sin(self.beta)
         rise = 2 * np.sin((self.k + self.beta) / 2) * np.sin((self.k - self.beta) / 2)
         run = np.sin(self.k) - sin_beta * cos_flap  # (S13): theta1 = atan2(rise, run)
         size = np.hypot(rise, run)

@@ -105,15 +105,19 @@ class QuadMesh:
 
     def front_vertices(self, side: Side) -> IntArray:
         """Vertex numbers along `side`, in the direction that has new growth on its left."""
-        return np.rot90(self.grid, _TURNS[side])[-1]
+        front: IntArray = np.rot90(self.grid, _TURNS[side])[-1]
+        return front
 
     def previous_vertices(self, side: Side) -> IntArray | None:
         """Vertex numbers of the grid line behind the front; None where the front is a curve."""
         turned = np.rot90(self.grid, _TURNS[side])
-        return turned[-2] if len(turned) > 1 else None
+        if len(turned) == 1:
+            return None
+        behind: IntArray = turned[-2]
+        return behind
 
     def extended(self, side: Side, rows: FloatArray) -> QuadMesh:
-        """This mesh with `rows`, shape (n, C', 3), grown one after another on `side`."""
+        """The mesh with `rows`, shape (n, C', 3), grown one after another on `side`."""
         count, width = rows.shape[:2]
         new = len(self.vertices_coords) + np.arange(count * width).reshape(count, width)
         turned = np.rot90(self.grid, _TURNS[side])

@@ -20,7 +20,7 @@ def curve(vertices_coords: FloatArray) -> QuadMesh:
 def miura(
     columns: int, sector_angle: float, fold: float, zigzag_length: float, crease_length: float
 ) -> QuadMesh:
-    """The first strip of a Miura sheet: rows zigzag in planes z = const, creases climb between them.
+    """The first strip of a Miura sheet: rows zigzag at constant z, creases climb between them.
 
     Parameters
     ----------
@@ -70,5 +70,5 @@ def corrugated(columns: int, beta: float, k: float, lengths: FloatArray) -> Quad
     lift = np.cos(k / 2) / np.cos(beta / 2)
     c = np.array([-np.sqrt(1 - lift**2), 0.0, lift])
     i = np.arange(columns + 1)
-    y = c + np.where(i % 2 == 0, 1.0, 0.0)[:, None] * a + (i // 2 + i % 2)[:, None] * (b - a)
+    y = c + np.where(i % 2 == 0, 1.0, 0.0)[:, None] * a + (i // 2)[:, None] * (b - a)
     return QuadMesh.from_rows(np.stack([y, y - lengths[:, None] * c]))

@@ -32,7 +32,7 @@ __all__ = [
 
 
 def require_foldable(beta: FloatArray, k: FloatArray) -> None:
-    """Raise `InvalidValue`, naming the first vertex, unless 0 < beta < pi and beta < k < 2 pi - beta.
+    """Raise `InvalidValue` for the first vertex without 0 < beta < pi, beta < k < 2 pi - beta.
 
     beta, k : radians, shape (n,).
     """

@@ -16,8 +16,8 @@ from solver.vectors import FloatArray
 
 __all__ = ["Crumpled"]
 
-# How many random flap angles a strip looks at for one that crosses no face at any vertex.
-_TRIALS = 64
+# How many flap angles a strip looks at for those that fold away from the strip before.
+_TRIALS = 256
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Crumpled:
         lengths = _positive_normal(random, self.columns + 1, self.seed_deviation)
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)
 
-        def choose(front: Front, strip: int) -> Strip:
+        def choose(front: Front, _strip: int) -> Strip:
             return Strip(_flap_angle(front, random), self._lengths(front, random))
 
         return grow(seed, self.strips - 1, choose, progress=progress)
@@ -80,8 +80,18 @@ def _positive_normal(random: np.random.Generator, count: int, deviation: float) 
 
 
 def _flap_angle(front: Front, random: np.random.Generator) -> float:
-    """The first of many random flap angles with the fewest vertices that cross old faces."""
-    trials = random.uniform(0.0, 2 * np.pi, _TRIALS)
+    """A random flap angle that folds every new crease away from the old ones, where there is one.
+
+    Of evenly spread candidates with the most creases folding away, one from the middle half of
+    the longest run is drawn: its ends nearly lock some vertex, and rows would close up there.
+    """
+    trials = (np.arange(_TRIALS, dtype=np.float64) + random.uniform()) * (2 * np.pi / _TRIALS)
     flap_angles = transform(prefix_products(front.couplings, front.deltas), trials)
-    crossings = front.self_intersections(flap_angles).sum(axis=0)
-    return float(trials[np.argmin(crossings)])
+    away = front.away_from_back(flap_angles).sum(axis=0)
+    best = np.flatnonzero(away == away.max())
+    # runs on the circle: start after a gap, so that no run passes the end of the list
+    gaps = np.diff(best, append=best[0] + _TRIALS)
+    best = np.roll(best, -1 - int(np.argmax(gaps)))
+    runs = np.split(best, np.flatnonzero(np.diff(best) % _TRIALS != 1) + 1)
+    run = max(runs, key=len)
+    return float(trials[run[int(len(run) * random.uniform(0.25, 0.75))]])

@@ -17,7 +17,7 @@ __all__ = ["CurvedFold"]
 
 @dataclass(frozen=True)
 class CurvedFold:
-    """Seed: the curve (x, x^2) from x = -1 on with a zigzag, all k alike. One flap angle, one length.
+    """Seed: the curve (x, x^2) from x = -1 on with a zigzag, all k alike. Flap angle, length: one.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class CurvedFold:
         y = x**2 + self.zigzag * (-1.0) ** i
         seed = seeds.curve(np.column_stack([x, y, np.zeros_like(x)]))
 
-        def choose(front: Front, strip: int) -> Strip:
+        def choose(_front: Front, _strip: int) -> Strip:
             return Strip(self.flap_angle, self.crease_length)
 
         return grow(seed, self.strips, choose, k=self.k, progress=progress)
