@@ -17,6 +17,10 @@ from solver.vectors import FloatArray, IntArray
 __all__ = ["CutPaths", "DashStyle", "Layer", "Operation", "PerforationSettings", "perforate"]
 
 
+# What is left of a crease between its margins must be longer than this to be cut.
+_SHORTEST_CUT_MM = 0.01
+
+
 class Operation(StrEnum):
     """What the machine does along a line. Each is a layer of its own in every drawing."""
 
@@ -110,14 +114,14 @@ def dashes(ends: FloatArray, style: DashStyle, margin_mm: float) -> tuple[FloatA
     Returns
     -------
     segments, shape (m, 2, 2), and the number of each segment's line, shape (m,), rising. The first
-    cut begins and the last one ends at the margin; cut and gap are scaled alike to fit. A line not
-    longer than both margins has none.
+    cut begins and the last one ends at the margin; cut and gap are scaled alike to fit. A line
+    that leaves less than 0.01 mm between its margins has none.
     """
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(span[:, 0], span[:, 1])
     room = length - 2 * margin_mm
     period = style.cut_mm + style.gap_mm
-    count = np.where(room > 0, np.maximum(1, np.rint((room + style.gap_mm) / period)), 0)
+    count = np.where(room > _SHORTEST_CUT_MM, np.maximum(1, np.rint((room + style.gap_mm) / period)), 0)
     count = count.astype(np.int64)
     owner = np.repeat(np.arange(len(ends)), count)
     number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)

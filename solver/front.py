@@ -18,7 +18,7 @@ import numpy as np
 from solver.errors import InvalidValue, require_within
 from solver.mesh import QuadMesh, Side
 from solver.transfer import coupling, half_angles
-from solver.vectors import BoolArray, FloatArray, cross, dot, norm, unit
+from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm, unit
 from solver.vertex import locked_flap_angles, require_foldable, self_intersects
 
 __all__ = ["Front", "Rays"]
@@ -161,7 +161,7 @@ class Front:
         if self.back is None:
             return np.ones(flap_angles.shape, bool)
         above = dot(self.back, self.normals) > 0
-        out: BoolArray = (np.mod(flap_angles, 2 * np.pi) < np.pi) != above[:, None]
+        out: BoolArray = (full_turn(flap_angles) < np.pi) != above[:, None]
         return out
 
     def rays(
@@ -213,7 +213,7 @@ class Front:
         directions[0], left[:, 0] = _boundary_ray(edge, inner, boundary_angles[0], "left")
         edge, inner = -self.edges_direction[-1], directions[-2]
         directions[-1], right[:, -1] = _boundary_ray(edge, inner, boundary_angles[1], "right")
-        flap = np.mod(2 * np.arctan2(s, c), 2 * np.pi)
+        flap = full_turn(2 * np.arctan2(s, c))
         return Rays(
             self.vertices_coords, directions, flap, _length_bounds(self.edges_length, left, right)
         )

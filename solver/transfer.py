@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, full_turn
 
 __all__ = ["coupling", "half_angles", "prefix_products", "transform"]
 
@@ -93,5 +93,4 @@ def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     """
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
     image = matrices @ start
-    out: FloatArray = np.mod(2 * np.arctan2(image[:, 0], image[:, 1]), 2 * np.pi)
-    return out
+    return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))

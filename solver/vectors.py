@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "full_turn",
     "BoolArray",
     "ComplexArray",
     "FloatArray",
@@ -57,3 +58,9 @@ def angle_between(u: FloatArray, v: FloatArray) -> FloatArray:
     """Angle in [0, pi] by atan2(|u x v|, u.v): accurate near 0 and pi, where arccos is not."""
     out: FloatArray = np.arctan2(norm(cross(u, v)), dot(u, v))
     return out
+
+
+def full_turn(angle: FloatArray) -> FloatArray:
+    """Angles brought into [0, 2 pi), radians; rounding never gives 2 pi itself."""
+    turned = np.mod(angle, 2 * np.pi)
+    return np.where(turned >= 2 * np.pi, 0.0, turned)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.errors import InvalidValue, require_within
-from solver.vectors import BoolArray, FloatArray, cross, dot, unit
+from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, unit
 
 __all__ = [
     "flap_angle_of",
@@ -112,8 +112,7 @@ def flap_angle_of(a: FloatArray, b: FloatArray, direction: FloatArray) -> FloatA
     """
     n = unit(cross(a, b))
     p = cross(n, unit(a))
-    out: FloatArray = np.mod(np.arctan2(dot(direction, n), dot(direction, p)), 2 * np.pi)
-    return out
+    return full_turn(np.arctan2(dot(direction, n), dot(direction, p)))
 
 
 def locked_flap_angles(
@@ -129,7 +128,7 @@ def locked_flap_angles(
     n = unit(cross(a, b))
     right_flap = np.arctan2(dot(c, n), dot(c, cross(b, n)))  # about b, of the old right face
     right = 2 * np.arctan2(couplings * np.cos(right_flap / 2), np.sin(right_flap / 2))
-    return left, np.mod(right, 2 * np.pi)
+    return left, full_turn(right)
 
 
 def self_intersects(flap_angle: FloatArray, left: FloatArray, right: FloatArray) -> BoolArray:
@@ -139,7 +138,7 @@ def self_intersects(flap_angle: FloatArray, left: FloatArray, right: FloatArray)
     the two pairs of faces are nested, and free, between the two locked flap angles; elsewhere they
     cross. Shapes broadcast.
     """
-    alpha = np.mod(flap_angle, 2 * np.pi)
+    alpha = full_turn(flap_angle)
     same_side = (alpha < np.pi) == (left < np.pi)
     between = (alpha > np.minimum(left, right)) & (alpha < np.maximum(left, right))
     out: BoolArray = same_side & ~between

@@ -1,0 +1,43 @@
+"""What several test modules need: published models, the shipped jobs, rigid fits."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fab.job import Format, Made, load_job, make
+
+ROOT = Path(__file__).parent.parent
+TEMPLATES = ROOT / "templates"
+REFERENCE = ROOT.parent / "shared" / "reference"
+
+TEMPLATE_NAMES = sorted(path.stem for path in TEMPLATES.glob("*.toml"))
+GRIDS = {"F4D": (11, 101), "F4E": (41, 21), "peaks_coarse": (34, 41)}
+
+
+def published(name: str, state: str) -> np.ndarray:
+    """Rows of a model of the method's authors, shape (R, C, 3); skips where it is missing."""
+    path = REFERENCE / f"{name}_{state}.obj"
+    if not path.is_file():
+        pytest.skip(f"the published model {path.name} is not on this machine")
+    lines = (line.split() for line in path.read_text().splitlines() if line.startswith("v "))
+    rows, columns = GRIDS[name]
+    return np.array([[float(x) for x in line[1:4]] for line in lines]).reshape(rows, columns, 3)
+
+
+def turned_onto(points: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """`points` (n, 2) moved onto `target` by the best rotation and shift, never mirrored."""
+    a, b = points - points.mean(axis=0), target - target.mean(axis=0)
+    za, zb = a[:, 0] + 1j * a[:, 1], b[:, 0] + 1j * b[:, 1]
+    turn = np.vdot(za, zb)
+    z = za * turn / abs(turn)
+    return np.column_stack([z.real, z.imag]) + target.mean(axis=0)
+
+
+@cache
+def made_template(name: str) -> Made:
+    """All files of a shipped job, made once for the whole suite."""
+    return make(load_job(TEMPLATES / f"{name}.toml"), tuple(Format))

@@ -1,0 +1,104 @@
+"""Unfolding: published shapes, isometry, orientation, overlap."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+
+from fab.development import develop, overlapping_faces, signed_areas
+from helpers import published, turned_onto
+from solver import CurvedFold, InvalidValue, Miura, QuadMesh
+from strategies import patches
+
+
+def test_f4d_unfolds_to_the_published_flat_shape():
+    flat = develop(CurvedFold().grow().mesh).vertices_coords
+    expected = published("F4D", "flat").reshape(-1, 3)[:, :2]
+    assert np.abs(turned_onto(flat, expected) - expected).max() < 1e-10
+
+
+@pytest.mark.parametrize("name", ["F4D", "F4E", "peaks_coarse"])
+def test_published_models_unfold_to_their_own_flat_shapes(name):
+    development = develop(QuadMesh.from_rows(published(name, "fold")))
+    expected = published(name, "flat").reshape(-1, 3)[:, :2]
+    if name == "peaks_coarse":
+        expected = expected * [1, -1]  # this one was published seen from its lower side
+    diagonal = np.linalg.norm(np.ptp(expected, axis=0))
+    moved = turned_onto(development.vertices_coords, expected)
+    assert np.abs(moved - expected).max() < 1e-9 * diagonal
+
+
+@given(patches())
+def test_lengths_survive_and_faces_stay_counterclockwise(mesh):
+    development = develop(mesh)
+    assert development.isometry_max_rel < 1e-10
+    assert development.closure_max < 1e-11
+    assert signed_areas(development.vertices_coords, mesh.faces_vertices).min() > 0
+
+
+@given(patches())
+def test_the_box_stands_on_the_origin_with_its_longer_side_along_x(mesh):
+    flat = develop(mesh).vertices_coords
+    assert flat.min(axis=0) == pytest.approx([0, 0], abs=1e-12)
+    width, height = flat.max(axis=0)
+    assert width >= height * (1 - 1e-9)
+    box = shapely.minimum_rotated_rectangle(shapely.multipoints(flat))
+    assert width * height == pytest.approx(box.area, rel=1e-6)
+
+
+@given(patches())
+def test_overlaps_agree_with_brute_force(mesh):
+    development = develop(mesh)
+    shapes = shapely.polygons(development.vertices_coords[mesh.faces_vertices])
+    expected = {
+        (i, j)
+        for i, j in combinations(range(len(shapes)), 2)
+        if shapes[i].intersection(shapes[j]).area > 1e-9 * min(shapes[i].area, shapes[j].area)
+    }
+    assert {tuple(pair) for pair in development.overlaps.tolist()} == expected
+
+
+def test_the_published_curved_fold_overlaps_itself_and_says_where():
+    overlaps = develop(CurvedFold().grow().mesh).overlaps
+    assert len(overlaps) > 1000
+    flat = develop(CurvedFold().grow().mesh).vertices_coords
+    mesh = CurvedFold().grow().mesh
+    one, two = shapely.polygons(flat[mesh.faces_vertices[overlaps[0]]])
+    assert one.intersection(two).area > 0
+
+
+def test_a_sheet_that_does_not_close_says_how_far():
+    rows = Miura(columns=4, rows=4).grow().mesh
+    bent = rows.vertices_coords.copy()
+    bent[12] += [0.0, 0.0, 0.05]
+    development = develop(QuadMesh.from_rows(bent[rows.grid]))
+    assert development.closure_max > 1e-3
+    assert development.isometry_max_rel > 1e-3
+
+
+def test_large_patches_unfold_as_exactly_as_small_ones():
+    errors = [
+        develop(Miura(columns=n, rows=n, fold=np.radians(30)).grow().mesh).isometry_max_rel
+        for n in (10, 40, 160)
+    ]
+    assert errors[0] < 1e-13
+    assert errors[2] < 1e-10
+
+
+def test_a_crossed_quad_is_an_overlap_with_itself():
+    flat = np.array([[0.0, 0], [1, 0], [0.2, 1], [0.9, 1], [-1, 0], [-1, 1]])
+    mesh = QuadMesh.from_rows(
+        np.array([[[-1.0, 0, 0], [0, 0, 0], [1, 0, 0]], [[-1, 1, 0], [0, 1, 0], [1, 1, 0]]])
+    )
+    crossed = flat[[4, 0, 1, 5, 3, 2]]  # the right face's upper corners are swapped
+    assert [1, 1] in overlapping_faces(crossed, mesh.faces_vertices, mesh.edges).tolist()
+
+
+def test_a_curve_and_a_face_without_area_are_refused():
+    line = np.array([[0.0, 0, 0], [1, 1, 0], [2, 0, 0]])
+    with pytest.raises(InvalidValue, match="faces"):
+        develop(QuadMesh.from_rows(line[None]))
+    with pytest.raises(InvalidValue, match="area of face 0"):
+        develop(QuadMesh.from_rows(np.stack([line * [1, 0, 0], line * [2, 0, 0]])))

@@ -1,0 +1,73 @@
+"""Planarity, developability and isometry against exact answers."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver.measure import angle_excess, developability, isometry, planarity, sector_angles
+from strategies import patches
+
+SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+QUAD = np.array([[0, 1, 2, 3]])
+
+
+@given(st.floats(1e-9, 1.0))
+def test_planarity_of_a_twisted_square_is_the_distance_of_its_diagonals(height):
+    twisted = SQUARE.copy()
+    twisted[[1, 3], 2] = height
+    assert planarity(twisted, QUAD)[0] == pytest.approx(height / np.sqrt(2), rel=1e-12)
+
+
+def test_planarity_is_dimensionless_and_zero_for_flat_polygons():
+    angle = np.arange(6) * np.pi / 3
+    hexagon = np.column_stack([np.cos(angle), np.sin(angle), 0.3 * np.cos(angle)])
+    assert planarity(hexagon, np.arange(6)[None])[0] < 1e-15
+    hexagon[::2, 2] += 0.1
+    small = planarity(hexagon * 1e-3, np.arange(6)[None])
+    assert small == pytest.approx(planarity(hexagon, np.arange(6)[None]), rel=1e-12)
+    assert planarity(SQUARE, np.array([[0, 1, 2]]))[0] == 0
+
+
+def test_planarity_of_polygons_and_of_quads_is_one_definition():
+    random = np.random.default_rng(1)
+    quad = random.normal(size=(4, 3))
+    pentagon = np.insert(quad, 1, (quad[0] + quad[1]) / 2, axis=0)
+    as_quad = planarity(quad, QUAD)[0]
+    assert planarity(pentagon, np.arange(5)[None])[0] > 0.1 * as_quad
+    tilted = SQUARE @ np.linalg.qr(random.normal(size=(3, 3)))[0].T
+    assert planarity(tilted, QUAD)[0] < 1e-15
+
+
+def test_a_face_without_area_is_not_a_number():
+    assert np.isnan(planarity(SQUARE * [1, 0, 0], QUAD)[0])
+
+
+def test_the_corner_of_a_cube_misses_a_right_angle():
+    cube = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1.0]])
+    faces = np.array([[0, 1, 2, 3], [0, 4, 5, 1], [0, 3, 6, 4]])
+    assert developability(cube, faces)[0] == pytest.approx(np.pi / 2, abs=1e-15)
+    assert (developability(cube, faces)[1:] == 0).all()
+    assert angle_excess(cube, faces, np.ones(7, bool))[0] == pytest.approx(-np.pi / 2, abs=1e-15)
+
+
+@given(patches())
+def test_the_sectors_of_a_planar_quad_add_up_to_a_full_turn(mesh):
+    angles = sector_angles(mesh.vertices_coords, mesh.faces_vertices)
+    convex = angles.max(axis=1) < 3.1
+    assert angles.sum(axis=1)[convex] == pytest.approx(2 * np.pi, abs=1e-9)
+
+
+@given(patches())
+def test_grown_patches_are_planar_and_developable(mesh):
+    assert planarity(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-10
+    assert developability(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-10
+
+
+def test_isometry_is_the_largest_relative_change_of_a_side_or_diagonal():
+    sheared = SQUARE[:, :2] @ np.array([[1, 0], [0.1, 1]])
+    # diagonals of the sheared square: hypot(1.1, 1) and hypot(0.9, 1)
+    expected = np.abs(np.array([np.hypot(1.1, 1), np.hypot(0.9, 1)]) / np.sqrt(2) - 1).max()
+    assert isometry(SQUARE, sheared, QUAD)[0] == pytest.approx(expected, rel=1e-12)
+    assert isometry(SQUARE, SQUARE[:, :2] @ np.array([[0.6, 0.8], [-0.8, 0.6]]), QUAD)[0] < 1e-15
+    assert isometry(SQUARE, 3 * SQUARE, QUAD)[0] == pytest.approx(2)

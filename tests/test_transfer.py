@@ -1,0 +1,70 @@
+"""The chain of flap angles along a strip."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from solver import CurvedFold, Front, Side
+from solver.transfer import coupling, half_angles, prefix_products, transform
+from solver.vertex import flap_angle_of
+from strategies import patches, vertices
+
+
+def circle_distance(x, y):
+    return np.abs(np.angle(np.exp(1j * (np.asarray(x) - np.asarray(y)))))
+
+
+def flap_angles(front: Front, first: float) -> np.ndarray:
+    s, c = half_angles(front.couplings, front.deltas, first)
+    return np.mod(2 * np.arctan2(s, c), 2 * np.pi)
+
+
+@given(vertices())
+def test_the_two_flap_angles_of_a_vertex_have_half_tangents_with_product_c(vertex):
+    beta, k, flap = vertex
+    if min(flap, abs(flap - np.pi), 2 * np.pi - flap) < 1e-3:
+        return
+    a = np.array([[1.0, 0.0, 0.0]])
+    b = np.array([[np.cos(beta), np.sin(beta), 0.0]])
+    front = Front.on_curve(np.concatenate([a, 0 * a, b]), k)
+    r = front.rays(flap).directions[1]
+    n = np.array([0.0, 0.0, 1.0])
+    right = np.arctan2(r @ n, r @ np.cross(b[0], n))
+    product = np.tan(flap / 2) * np.tan(right / 2)
+    assert product == pytest.approx(coupling(np.array([beta]), np.array([k]))[0], rel=1e-8)
+
+
+@given(patches(), st.floats(0.0, 6.28))
+def test_the_chain_is_what_the_grown_creases_measure(mesh, first):
+    front = Front.of(mesh, Side.TOP)
+    rays = front.rays(first)
+    u = front.edges_direction
+    measured = flap_angle_of(-u[:-1], u[1:], rays.directions[1:-1])
+    assert circle_distance(rays.flap_angles, measured).max() < 1e-9
+
+
+@given(patches(), st.floats(0.0, 6.28))
+def test_prefix_products_map_the_first_flap_angle_to_all_others(mesh, first):
+    front = Front.of(mesh, Side.TOP)
+    matrices = prefix_products(front.couplings, front.deltas)
+    image = transform(matrices, np.array([first, 1.0]))
+    assert circle_distance(image[:, 0], flap_angles(front, first)).max() < 1e-9
+    assert image[0] == pytest.approx([first, 1.0], abs=1e-12)
+
+
+@given(patches(), st.floats(0.0, 6.28), st.data())
+def test_a_flap_angle_given_anywhere_fixes_the_same_strip(mesh, first, data):
+    front = Front.of(mesh, Side.TOP)
+    every = flap_angles(front, first)
+    at = data.draw(st.integers(0, len(every) - 1))
+    s, c = half_angles(front.couplings, front.deltas, float(every[at]), at)
+    assert circle_distance(2 * np.arctan2(s, c), every).max() < 1e-7
+
+
+def test_long_chains_stay_normalised():
+    front = Front.of(CurvedFold(columns=2000, step=0.001, zigzag=0.002, strips=1,
+                                crease_length=0.001).grow().mesh, Side.TOP)
+    s, c = half_angles(front.couplings, front.deltas, 2.5)
+    assert np.abs(np.hypot(s, c) - 1).max() < 1e-15 * 4
+    assert np.isfinite(prefix_products(front.couplings, front.deltas)).all()
