@@ -1,23 +1,27 @@
 """What can be asked on the command line, and with which exit code is it answered?
 
 0: made and within tolerance. 1: made, but with a finding of severity error. 2: bad usage or bad
-input, nothing written.
+input, nothing written. 130: interrupted, no half file left.
 """
 
 from __future__ import annotations
 
 import difflib
+import math
+import signal
 import sys
+import threading
 import tomllib
+import warnings
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fab.errors import Finding, InvalidFile, InvalidJob, Severity
-from solver.errors import OrigamiError
+from solver.errors import InvalidValue, OrigamiError
 
 if TYPE_CHECKING:
     from fab.job import Format
@@ -29,24 +33,58 @@ _CHECKED_OUT = Path(__file__).parent.parent / "templates"
 
 
 @contextmanager
-def _answers() -> Iterator[None]:
-    """Turn expected errors into one message and exit code 2."""
+def _answers() -> Iterator[_Interrupts]:
+    """Turn expected errors into one message and exit code 2, interrupts into 130."""
+    interrupts = _Interrupts()
     try:
-        yield
-    except OrigamiError as error:
-        click.echo(f"quadfold: {error}", err=True)
-        sys.exit(2)
-    except MemoryError:
-        click.echo(
-            "quadfold: the model does not fit into memory. Lower columns or strips.", err=True
-        )
-        sys.exit(2)
-    except OSError as error:
-        click.echo(f"quadfold: {error.filename or ''}: {error.strerror}. Nothing kept.", err=True)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        click.echo("quadfold: interrupted; no half-written file was left.", err=True)
-        sys.exit(130)
+        with warnings.catch_warnings(), interrupts:
+            # extreme numbers overflow on the way to the error that names them
+            warnings.simplefilter("ignore", RuntimeWarning)
+            yield interrupts
+    except BaseException as error:
+        # libraries turn an interrupt during their import into errors of their own
+        if interrupts.came or isinstance(error, KeyboardInterrupt):
+            _say("quadfold: interrupted; no half-written file was left.", error=True)
+            sys.exit(130)
+        if isinstance(error, OrigamiError):
+            _say(f"quadfold: {error}", error=True)
+            sys.exit(2)
+        if isinstance(error, MemoryError):
+            _say("quadfold: out of memory. Ask for fewer quads or dashes.", error=True)
+            sys.exit(2)
+        raise
+
+
+class _Interrupts:
+    """Notes SIGINT and SIGTERM: some libraries swallow the exception that they raise."""
+
+    def __init__(self) -> None:
+        self.came = False
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> None:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._note)
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, *_: object) -> None:
+        self.came = True
+        raise KeyboardInterrupt
+
+    def check(self) -> None:
+        """Raise again what a library may have swallowed."""
+        if self.came:
+            raise KeyboardInterrupt
+
+
+def _say(text: str, *, error: bool = False) -> None:
+    """Print a line; a closed pipe or full disk behind stdout does not change what was made."""
+    with suppress(OSError):
+        click.echo(text, err=error)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
@@ -65,26 +103,31 @@ def main() -> None:
 @click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
 def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
-    with _answers():
+    with _answers() as interrupts:
         from fab.job import load_job, make, require_folder, write
 
         formats = _formats(only)
         loaded = load_job(job, changes)
         require_folder(out)
-        with _progress() as progress:
+        with _progress(interrupts) as progress:
             made = make(loaded, formats, progress)
+        interrupts.check()
         if not dry_run:
             write(made, out)
         for output in made.report["outputs"]:
             verb = "would write" if dry_run else "wrote"
-            click.echo(f"{verb} {out / output['file']}  {output['bytes']} bytes")
-        click.echo(f"{'would write' if dry_run else 'wrote'} {out / 'report.json'}")
+            _say(f"{verb} {out / output['file']}  {output['bytes']} bytes")
+        _say(f"{'would write' if dry_run else 'wrote'} {out / 'report.json'}")
         report = made.report
-        click.echo(
+        _say(
             f"{report['counts']['faces']} faces; planarity {report['planarity_max']:.1e}, "
             f"developability {report['developability_max_rad']:.1e} rad, "
             f"isometry {report['isometry_max_rel']:.1e}"
         )
+        for kind in formats:
+            left = out / f"{loaded.name}.{kind}"
+            if left.name not in made.files and left.exists():
+                _say(f"note: {left} is from an earlier run", error=True)
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -95,7 +138,7 @@ def templates() -> None:
     with _answers():
         for path in _template_files():
             description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            click.echo(f"{path.stem:<16} {description}")
+            _say(f"{path.stem:<16} {description}")
 
 
 @main.command()
@@ -106,16 +149,20 @@ def new(template: str, out: Path | None) -> None:
     with _answers():
         known = {path.stem: path for path in _template_files()}
         if template not in known:
-            close = difflib.get_close_matches(template, known, 1, 0.4)
+            close = difflib.get_close_matches(template, known, 1, 0.6)
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(f"template {template!r} must be one of {', '.join(known)}.{hint}")
         target = out if out is not None else Path(f"{template}.toml")
         if target.exists():
             raise InvalidJob(f"{target} exists already. Give another file with --out.")
-        beside = target.with_name(f".{target.name}.part")
-        beside.write_bytes(known[template].read_bytes())
-        beside.replace(target)
-        click.echo(f"wrote {target}; make its files with: quadfold run {target} --out out")
+        try:
+            with target.open("xb") as file:
+                file.write(known[template].read_bytes())
+        except OSError as error:
+            raise InvalidJob(
+                f"{target}: cannot be written: {error.strerror}. Choose another --out."
+            ) from error
+        _say(f"wrote {target}; make its files with: quadfold run {target} --out out")
 
 
 @main.command()
@@ -129,20 +176,25 @@ def check(file: Path, tolerance: float) -> None:
         from fab.fold_file import read_fold
         from fab.inspection import inspect_accuracy, inspect_angles, measure_pattern
 
+        if not math.isfinite(tolerance):
+            raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
         pattern = read_fold(file)
         if pattern.folded_coords is None:
             raise InvalidFile(
                 f"{file}: no folded frame to measure. Add a frame of class foldedForm."
             )
         accuracy = measure_pattern(pattern)
-        angles = inspect_angles(pattern)
+        try:
+            angles = inspect_angles(pattern)
+        except InvalidValue as error:
+            raise InvalidFile(f"{file}: {error}") from error
         counts = pattern.counts()
-        click.echo(f"vertices            {len(pattern.vertices_coords)}")
-        click.echo(f"faces               {pattern.face_count}")
-        click.echo(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
-        click.echo(f"planarity           {accuracy.planarity_max:.3e}")
-        click.echo(f"developability      {accuracy.developability_max_rad:.3e} rad")
-        click.echo(f"isometry            {accuracy.isometry_max_rel:.3e}")
+        _say(f"vertices            {len(pattern.vertices_coords)}")
+        _say(f"faces               {pattern.face_count}")
+        _say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
+        _say(f"planarity           {accuracy.planarity_max:.3e}")
+        _say(f"developability      {accuracy.developability_max_rad:.3e} rad")
+        _say(f"isometry            {accuracy.isometry_max_rel:.3e}")
         findings = inspect_accuracy(accuracy, tolerance) + angles
         _tell(findings)
     sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
@@ -153,7 +205,7 @@ def _tell(findings: Sequence[Finding]) -> None:
     for code in dict.fromkeys(finding.code for finding in findings):
         alike = [finding for finding in findings if finding.code == code]
         more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
-        click.echo(f"{alike[0].severity}: {code}: {alike[0].text}{more}", err=True)
+        _say(f"{alike[0].severity}: {code}: {alike[0].text}{more}", error=True)
 
 
 def _template_files() -> list[Path]:
@@ -171,7 +223,7 @@ def _formats(only: str | None) -> list[Format]:
     for word in only.split(","):
         name = word.strip().lower()
         if name not in known:
-            close = difflib.get_close_matches(name, known, 1, 0.3)
+            close = difflib.get_close_matches(name, known, 1, 0.6)
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(f"--only {name!r} must be among {','.join(known)}.{hint}")
         chosen.append(Format(name))
@@ -179,10 +231,10 @@ def _formats(only: str | None) -> list[Format]:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[str, int, int], None]]:
-    """A bar on a terminal, nothing in a pipe."""
-    if not sys.stderr.isatty():
-        yield lambda *_: None
+def _progress(interrupts: _Interrupts) -> Iterator[Callable[[str, int, int], None]]:
+    """A bar on a terminal, nothing in a pipe; either way a place where interrupts are seen."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda *_: interrupts.check()
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -196,6 +248,9 @@ def _progress() -> Iterator[Callable[[str, int, int], None]]:
     )
     with bar:
         task = bar.add_task("", total=1)
-        yield lambda stage, done, total: bar.update(
-            task, description=stage, completed=done, total=total
-        )
+
+        def show(stage: str, done: int, total: int) -> None:
+            interrupts.check()
+            bar.update(task, description=stage, completed=done, total=total)
+
+        yield show

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fab.development import Development
+from fab.polygons import next_corner
 from solver.errors import InvalidValue, require_positive
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
@@ -142,6 +143,5 @@ def face_normals(
     corner = coords[faces_vertices] - np.repeat(
         coords[faces_vertices[faces_offsets[:-1]]], sizes, 0
     )
-    following = np.arange(len(corner)) + 1
-    following[faces_offsets[1:] - 1] = faces_offsets[:-1]
-    return unit(np.add.reduceat(cross(corner, corner[following]), faces_offsets[:-1]))
+    following = corner[next_corner(faces_offsets)]
+    return unit(np.add.reduceat(cross(corner, following), faces_offsets[:-1]))

@@ -11,12 +11,13 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
+from fab.polygons import ring_areas
 from solver.errors import InvalidValue
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh, boundary_loops
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, norm, unit
 
-__all__ = ["Development", "develop", "overlapping_faces", "signed_areas"]
+__all__ = ["Development", "develop", "overlapping_faces"]
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ def _unfolding_tree(
     ends = coords[edges.edges_vertices[shared]]
     length = norm(ends[:, 1] - ends[:, 0])
     one, two = edges.edges_faces[shared].T
-    cost = length.max() / np.maximum(length, np.finfo(float).tiny) if len(length) else length
+    cost = length.max() / np.maximum(length, 1e-100 * length.max()) if len(length) else length
     graph = csr_array((cost, (one, two)), shape=(count, count))
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     if not np.isfinite(distance).all():
@@ -175,13 +176,6 @@ def _upright(flat: FloatArray) -> FloatArray:
     return out
 
 
-def signed_areas(flat: FloatArray, faces: IntArray) -> FloatArray:
-    """Area of each face, positive where counterclockwise, shape (nf,)."""
-    x, y = flat[faces][..., 0], flat[faces][..., 1]
-    out: FloatArray = (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1) / 2
-    return out
-
-
 def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArray:
     """Pairs of faces whose interiors overlap in the plane, shape (n, 2).
 
@@ -189,7 +183,8 @@ def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArr
     cannot overlap; only where that fails are the faces compared pair by pair.
     """
     loops = boundary_loops(edges)
-    same_way = len(loops) == 1 and signed_areas(flat, faces).min() > 0
+    areas = ring_areas(flat[faces].reshape(-1, 2), np.arange(len(faces) + 1) * 4)
+    same_way = len(loops) == 1 and areas.min() > 0
     if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):
         return np.empty((0, 2), np.int64)
     return np.array(list(_overlapping_pairs(flat, faces)), np.int64).reshape(-1, 2)

@@ -14,6 +14,7 @@ import numpy as np
 
 from fab.crease import CreasePattern, assignments, fold_angles_deg
 from fab.errors import InvalidFile
+from fab.polygons import ring_areas
 from solver.errors import InvalidValue
 from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray
@@ -22,6 +23,10 @@ __all__ = ["fold_bytes", "read_fold"]
 
 # A file over this is refused before it is parsed: it would not fit into memory several times.
 _LARGEST_BYTES = 2_000_000_000
+
+
+# What a crease without an angle (null) folds by, degrees, by its letter.
+_FULLY_FOLDED = {"M": -180.0, "V": 180.0}
 
 
 def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
@@ -76,7 +81,7 @@ def read_fold(path: Path) -> CreasePattern:
     """
     document = _load(path)
     frames = [document, *_list(path, document, "file_frames", [])]
-    resolved = [_inherit(path, frames, i) for i in range(len(frames))]
+    resolved = _resolved(path, frames)
     flat = _first(resolved, "creasePattern") or resolved[0]
     folded = _first(resolved, "foldedForm")
     coords = _coords(path, flat, "crease pattern")
@@ -90,6 +95,7 @@ def read_fold(path: Path) -> CreasePattern:
     if "faces_vertices" not in flat:
         raise InvalidFile(f"{path}: faces_vertices is missing. Export the file with its faces.")
     corners, offsets = _faces(path, flat["faces_vertices"], len(coords))
+    corners = _counterclockwise(path, coords, corners, offsets)
     try:
         edges = edges_of(corners, offsets)
         folded_coords = None if folded is None else _coords(path, folded, "folded form")
@@ -121,15 +127,19 @@ def read_fold(path: Path) -> CreasePattern:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
+        if path.exists() and not path.is_file():
+            raise InvalidFile(f"{path}: not a file. Give the path of a FOLD file.")
         size = path.stat().st_size
         if size > _LARGEST_BYTES:
             raise InvalidFile(
                 f"{path}: {size} bytes is over the bound of {_LARGEST_BYTES}. Split the model."
             )
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
+    except InvalidFile:
+        raise
     except OSError as error:
         raise InvalidFile(f"{path}: cannot be read: {error.strerror}. Check the path.") from error
-    except (json.JSONDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # not JSON, not UTF-8, or endless digits
         raise InvalidFile(f"{path}: not a JSON file: {error}.") from error
     if not isinstance(document, dict):
         raise InvalidFile(f"{path}: a FOLD file is one JSON object, this is not.")
@@ -143,34 +153,49 @@ def _list(path: Path, frame: dict[str, Any], key: str, default: list[Any]) -> li
     return value
 
 
-def _inherit(path: Path, frames: list[Any], index: int) -> dict[str, Any]:
-    seen: list[int] = []
-    merged: dict[str, Any] = {}
-    while True:
-        frame = frames[index]
-        if not isinstance(frame, dict):
-            raise InvalidFile(f"{path}: frame {index} must be an object.")
-        merged = {**{k: v for k, v in frame.items() if k != "file_frames"}, **merged}
-        seen.append(index)
-        if not frame.get("frame_inherit") or index == 0:
-            return merged
-        index = frame.get("frame_parent", 0)
-        if not isinstance(index, int) or not 0 <= index < len(frames) or index in seen:
-            raise InvalidFile(f"{path}: frame_parent {index} does not name another frame.")
+def _resolved(path: Path, frames: list[Any]) -> list[dict[str, Any]]:
+    """All frames with what they inherit from their parents laid below them."""
+    done: dict[int, dict[str, Any]] = {}
+    for start in range(len(frames)):
+        chain = []
+        index = start
+        while index not in done:
+            frame = frames[index]
+            if not isinstance(frame, dict):
+                raise InvalidFile(f"{path}: frame {index} must be an object.")
+            classes = frame.get("frame_classes", [])
+            if not isinstance(classes, list):
+                raise InvalidFile(f"{path}: frame_classes of frame {index} must be a list.")
+            chain.append(index)
+            if index == 0 or not frame.get("frame_inherit"):
+                break
+            parent = frame.get("frame_parent", 0)
+            if type(parent) is not int or not 0 <= parent < len(frames) or parent in chain:
+                raise InvalidFile(f"{path}: frame_parent {parent} does not name another frame.")
+            index = parent
+        for index in reversed(chain):
+            own = {key: value for key, value in frames[index].items() if key != "file_frames"}
+            inherits = index != 0 and frames[index].get("frame_inherit")
+            above = done[frames[index].get("frame_parent", 0)] if inherits else {}
+            done[index] = {**above, **own}
+    return [done[index] for index in range(len(frames))]
 
 
 def _first(frames: list[dict[str, Any]], wanted: str) -> dict[str, Any] | None:
-    return next((f for f in frames if wanted in (f.get("frame_classes") or [])), None)
+    return next((frame for frame in frames if wanted in frame.get("frame_classes", [])), None)
 
 
 def _coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
     rows = _list(path, frame, "vertices_coords", [])
     try:
-        coords = np.array(rows, dtype=np.float64)
-    except (ValueError, TypeError) as error:
+        found = np.array(rows)
+    except ValueError:
+        found = np.array(["ragged"])
+    if rows and found.dtype.kind not in "iuf":
         raise InvalidFile(
-            f"{path}: vertices_coords of the {what} must be numbers, alike in length: {error}."
-        ) from error
+            f"{path}: vertices_coords of the {what} must be numbers, all points alike in length."
+        )
+    coords = found.astype(np.float64)
     if coords.ndim != 2 or coords.shape[1] not in (2, 3) or len(coords) < 3:
         raise InvalidFile(
             f"{path}: vertices_coords of the {what} must hold at least 3 points of 2 or 3 numbers."
@@ -198,6 +223,26 @@ def _faces(path: Path, faces: Any, count: int) -> tuple[IntArray, IntArray]:
     return np.array([v for face in faces for v in face], np.int64), offsets.astype(np.int64)
 
 
+def _counterclockwise(
+    path: Path, coords: FloatArray, corners: IntArray, offsets: IntArray
+) -> IntArray:
+    """Faces wound counterclockwise in the flat frame, turned around where all are clockwise."""
+    areas = ring_areas(coords[corners, :2], offsets)
+    if (areas > 0).all():
+        return corners
+    if (areas < 0).all():
+        place = np.arange(len(corners))
+        sizes = np.diff(offsets)
+        first, last = np.repeat(offsets[:-1], sizes), np.repeat(offsets[1:] - 1, sizes)
+        turned: IntArray = corners[first + last - place]
+        return turned
+    face = int(np.flatnonzero(areas <= 0)[0])
+    raise InvalidFile(
+        f"{path}: face {face} has the area {areas[face]:.6g}; all faces must have area and be "
+        "counterclockwise. Turn it around, or remove it."
+    )
+
+
 def _stored_angles(path: Path, frame: dict[str, Any], wanted: IntArray) -> FloatArray | None:
     """The file's own fold angles in the order of `wanted`; None where it stores none."""
     if "edges_foldAngle" not in frame:
@@ -208,12 +253,19 @@ def _stored_angles(path: Path, frame: dict[str, Any], wanted: IntArray) -> Float
         raise InvalidFile(
             f"{path}: {len(angles)} entries of edges_foldAngle for {len(pairs)} edges."
         )
+    letters = _list(path, frame, "edges_assignment", ["U"] * len(pairs))
+    if len(letters) != len(pairs):
+        raise InvalidFile(f"{path}: {len(letters)} edges_assignment for {len(pairs)} edges.")
     known: dict[tuple[int, int], float] = {}
     for number, (pair, angle) in enumerate(zip(pairs, angles, strict=True)):
-        if not isinstance(pair, list) or len(pair) != 2:
-            raise InvalidFile(f"{path}: edge {number} must have two vertices.")
-        value = 0.0 if angle is None else angle
-        if not isinstance(value, int | float) or not -180 <= value <= 180:
+        if not isinstance(pair, list) or len(pair) != 2 or not all(type(v) is int for v in pair):
+            raise InvalidFile(f"{path}: edge {number} must have two vertex numbers.")
+        value = _FULLY_FOLDED.get(str(letters[number]), 0.0) if angle is None else angle
+        if (
+            isinstance(value, bool)
+            or not isinstance(value, int | float)
+            or not -180 <= value <= 180
+        ):
             raise InvalidFile(
                 f"{path}: fold angle {angle} of edge {number} must lie from -180 to 180 degrees."
             )

@@ -13,7 +13,8 @@ from pydantic import Field
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.panels import Panels, Prisms, next_corner
+from fab.panels import Panels, Prisms
+from fab.polygons import next_corner
 from fab.settings import Settings
 from solver.vectors import FloatArray, IntArray
 
@@ -23,9 +24,14 @@ __all__ = ["HingeSettings", "Webs", "make_webs"]
 class HingeSettings(Settings):
     """Web hinges."""
 
-    web_mm: float = Field(default=0.4, gt=0, description="thickness of the web: one or two layers")
+    web_mm: float = Field(
+        default=0.4, ge=0.01, le=1000, description="thickness of the web: one or two layers"
+    )
     relief_mm: float = Field(
-        default=0.3, gt=0, description="from the end of a web to the nearest panel corner"
+        default=0.3,
+        ge=0.01,
+        le=1000,
+        description="from the end of a web to the nearest panel corner or vertex",
     )
 
 
@@ -60,8 +66,8 @@ def make_webs(
     normal = np.column_stack([-u[:, 1], u[:, 0]])
     share = settings.web_mm / panels.prisms.heights_mm[0] if len(panels.prisms) else 0.0
     following = next_corner(panels.prisms.offsets)
-    low = np.full(len(creases), -np.inf)
-    high = np.full(len(creases), np.inf)
+    low = np.zeros(len(creases))  # webs stay between the ends of their crease
+    high = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     setbacks = []
     for column in (0, 1):
         corner = sides[:, column]

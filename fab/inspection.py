@@ -18,7 +18,7 @@ from fab.hinges import Webs
 from fab.panels import Panels, Prisms
 from fab.solid import TriangleMesh, prism_meshes
 from solver.measure import angle_excess, isometry, planarity
-from solver.vectors import FloatArray, IntArray
+from solver.vectors import IntArray
 
 __all__ = [
     "Accuracy",
@@ -58,20 +58,21 @@ def measure_pattern(pattern: CreasePattern) -> Accuracy:
     folded = pattern.folded_coords
     if folded is None:
         return Accuracy(float("nan"), float("nan"), float("nan"))
-    planar = change = 0.0
+    planar = change = np.float64(0.0)
     excess = np.zeros(len(folded))
     corners = np.zeros(len(folded))
     inside = np.ones(len(folded), bool)
     inside[pattern.edges_vertices[pattern.edges_faces[:, 1] < 0]] = False
     for _, faces in pattern.faces_by_size():
-        planar = max(planar, float(planarity(folded, faces).max()))
-        change = max(change, float(isometry(folded, pattern.vertices_coords, faces).max()))
+        # numpy's maximum keeps NaN, the mark of a face without area
+        planar = np.maximum(planar, planarity(folded, faces).max())
+        change = np.maximum(change, isometry(folded, pattern.vertices_coords, faces).max())
         everywhere = np.ones(len(folded), bool)
         excess += angle_excess(folded, faces, everywhere) + 2 * np.pi
         corners += np.bincount(faces.ravel(), minlength=len(folded))
     inside &= corners > 0
     developable = np.abs(excess - 2 * np.pi)[inside].max(initial=0.0)
-    return Accuracy(planar, float(developable), change)
+    return Accuracy(float(planar), float(developable), float(change))
 
 
 def inspect_accuracy(accuracy: Accuracy, tolerance: float) -> list[Finding]:
@@ -181,6 +182,7 @@ def inspect_solids(
                 )
             )
     overlap_max, clearance = 0.0, np.inf
+    joined_faces = {(min(pair), max(pair)) for pair in pattern.edges_faces.tolist()}
     pairs = _near_pairs([panels.prisms, webs.prisms], gap_mm)
     for one, two in pairs.tolist():
         common = (solids[one] ^ solids[two]).volume()
@@ -188,15 +190,28 @@ def inspect_solids(
         both_panels = two < count
         gap = solids[one].min_gap(solids[two], 2 * gap_mm) if both_panels else np.inf
         clearance = min(clearance, gap)
-        if common > _OVERLAP_MM3 or gap < _CLEARANCE_SHARE * gap_mm:
+        named = tuple(int(panels.faces[body]) for body in (one, two) if body < count)
+        if common > _OVERLAP_MM3:
             findings.append(
                 Finding(
-                    "solids-overlap" if common > _OVERLAP_MM3 else "clearance-too-small",
+                    "solids-overlap",
                     Severity.ERROR,
-                    f"{name(one)} and {name(two)} share {common:.3g} mm3; they are {gap:.4g} mm "
-                    f"apart and should be {gap_mm:g} mm. The flat sheet overlaps itself, or its "
-                    "faces are too thin for their gaps.",
-                    panels=tuple(int(panels.faces[b]) for b in (one, two) if b < count),
+                    f"{name(one)} and {name(two)} share {common:.3g} mm3. The flat sheet overlaps "
+                    "itself, or its faces are too thin for their gaps.",
+                    panels=named,
+                )
+            )
+        elif gap < _CLEARANCE_SHARE * gap_mm:
+            # only panels with a common crease are promised the gap; others may come closer
+            # around a narrow panel at a vertex, but must not touch
+            promised = named in joined_faces or gap == 0.0
+            findings.append(
+                Finding(
+                    "clearance-too-small",
+                    Severity.ERROR if promised else Severity.WARNING,
+                    f"{name(one)} and {name(two)} are {gap:.4g} mm apart, gaps are {gap_mm:g} mm. "
+                    "Raise gap_mm, or enlarge the sheet.",
+                    panels=named,
                 )
             )
     bodies = _body_count(panels, webs)
@@ -229,7 +244,7 @@ def inspect_solids(
         float(overlap_max),
         float(min(clearance, 2 * gap_mm)),
     )
-    return figures, findings + _fold_limits(pattern, panels, webs, gap_mm)
+    return figures, findings + _fold_limits(pattern, panels, gap_mm)
 
 
 def _near_pairs(groups: list[Prisms], reach_mm: float) -> IntArray:
@@ -258,23 +273,24 @@ def _body_count(panels: Panels, webs: Webs) -> int:
     return int(connected_components(graph, directed=False)[0]) if size else 0
 
 
-def _fold_limits(
-    pattern: CreasePattern, panels: Panels, webs: Webs, gap_mm: float
-) -> list[Finding]:
+def _fold_limits(pattern: CreasePattern, panels: Panels, gap_mm: float) -> list[Finding]:
     """Valleys whose vertical panel walls meet before the target: 2 t tan(angle / 2) > gap."""
     if not len(panels.prisms):
         return []
     thickness = float(panels.prisms.heights_mm.max())
     reach_deg = float(np.degrees(2 * np.arctan(gap_mm / (2 * thickness))))
-    angle: FloatArray = pattern.edges_foldAngle[webs.creases]
-    blocked = webs.creases[angle > reach_deg]
+    standing = np.zeros(pattern.face_count + 1, bool)  # the last entry stands for no face
+    standing[panels.faces] = True
+    between = standing[pattern.edges_faces].all(axis=1)
+    blocked = np.flatnonzero(between & (pattern.edges_foldAngle > reach_deg))
     if not len(blocked):
         return []
+    most = pattern.edges_foldAngle[blocked].max()
     return [
         Finding(
             "fold-blocked",
             Severity.WARNING,
-            f"{len(blocked)} valleys should fold by up to {angle.max():.1f} degrees, but panels "
+            f"{len(blocked)} valleys should fold by up to {most:.1f} degrees, but panels "
             f"{thickness:g} mm thick with gaps of {gap_mm:g} mm meet at {reach_deg:.1f} degrees. "
             "Lower thickness_mm or raise gap_mm.",
             creases=tuple(blocked[:20].tolist()),

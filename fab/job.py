@@ -38,7 +38,7 @@ from fab.inspection import inspect_accuracy, inspect_solids, measure_pattern
 from fab.panels import PanelSettings, make_panels
 from fab.perforation import PerforationSettings, perforate
 from fab.settings import Settings
-from solver import DESIGNS, Design, Growth, Status
+from solver import DESIGNS, Design, Growth, InvalidValue, Status
 
 __all__ = ["Format", "Job", "Made", "SheetSettings", "load_job", "make", "parse_job", "write"]
 
@@ -98,13 +98,20 @@ _DESIGN_SETTINGS = {kind: _design_settings(kind, cls) for kind, cls in DESIGNS.i
 class SheetSettings(Settings):
     """How large the flat sheet is; exactly one of the two."""
 
-    width_mm: float | None = Field(default=None, gt=0, description="longer side of the flat sheet")
-    scale_mm_per_unit: float | None = Field(default=None, gt=0, description="mm per design unit")
+    width_mm: float | None = Field(
+        default=None, gt=0, le=1e5, description="longer side of the flat sheet"
+    )
+    scale_mm_per_unit: float | None = Field(
+        default=None, gt=0, le=1e8, description="mm per design unit"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> SheetSettings:
         if (self.width_mm is None) == (self.scale_mm_per_unit is None):
-            raise ValueError("give exactly one of width_mm and scale_mm_per_unit")
+            raise ValueError(
+                f"width_mm = {self.width_mm} and scale_mm_per_unit = {self.scale_mm_per_unit}, "
+                "give exactly one of them"
+            )
         return self
 
     def scale(self, development: Development) -> float:
@@ -143,17 +150,23 @@ def load_job(path: Path, changes: Sequence[str] = ()) -> Job:
     Raises `InvalidJob` with every key at fault, its bound and its cure.
     """
     try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
+        document = tomllib.loads(_text(path))
     except OSError as error:
         raise InvalidJob(
             f"{path}: cannot be read: {error.strerror}. Check the path, or copy a template with "
             "`quadfold new`."
         ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InvalidJob(f"{path}: not a TOML file: {error}.") from error
     for change in changes:
         _apply(document, change)
     return parse_job(document, str(path))
+
+
+def _text(path: Path) -> str:
+    if path.exists() and not path.is_file():
+        raise InvalidJob(f"{path}: not a file. Give the path of a job file.")
+    return path.read_text(encoding="utf-8-sig")
 
 
 def _apply(document: dict[str, Any], change: str) -> None:
@@ -162,8 +175,9 @@ def _apply(document: dict[str, Any], change: str) -> None:
     if not equals or not all(parts):
         raise InvalidJob(f"--set {change}: must have the form key=value, as in design.strips=4.")
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        parsed = tomllib.loads(f"value = {text}")
+        value = parsed["value"] if len(parsed) == 1 else text
+    except (tomllib.TOMLDecodeError, RecursionError):
         value = text.strip()
     table = document
     for part in parts[:-1]:
@@ -190,10 +204,9 @@ def _explain(error: Any, document: Mapping[str, Any]) -> str:
     key = ".".join(place) or "job"
     kind, value = error["type"], error.get("input")
     if kind == "extra_forbidden":
-        close = difflib.get_close_matches(place[-1], _known_keys(place[:-1], document), 1, 0.4)
-        hint = f" Did you mean {'.'.join([*place[:-1], close[0]])}?" if close else ""
-        known = ", ".join(sorted(_known_keys(place[:-1], document)))
-        return f"{key} is not a known key.{hint} Known here: {known}."
+        here = _known_keys(place[:-1], document)
+        hint = _hint(place, here, document)
+        return f"{key} is not a known key.{hint} Known here: {', '.join(sorted(here))}."
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = value.get("kind") if isinstance(value, Mapping) else None
         close = difflib.get_close_matches(str(given), DESIGNS, 1, 0.4)
@@ -206,10 +219,26 @@ def _explain(error: Any, document: Mapping[str, Any]) -> str:
             f"name = {value!r} must be 1 to 100 letters, digits, '_', '-' or '.', and begin with a "
             "letter or digit: it names the files in the output folder."
         )
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"{key} = {value!r} must be a table, such as [{key}] with keys below it."
     message = error["msg"].removeprefix("Value error, ")
     if isinstance(value, Mapping | Settings):
         return f"{key}: {message}."
     return f"{key} = {value!r} is refused: {message}."
+
+
+def _hint(place: Sequence[str], here: Sequence[str], document: Mapping[str, Any]) -> str:
+    """The nearest known key, in the same table or else in any other."""
+    close = difflib.get_close_matches(place[-1], here, 1, 0.6)
+    if close:
+        return f" Did you mean {'.'.join([*place[:-1], close[0]])}?"
+    elsewhere = {
+        key: f"{table}.{key}"
+        for table in ("design", "sheet", "perforation", "panels", "hinges")
+        for key in _known_keys([table], document)
+    }
+    close = difflib.get_close_matches(place[-1], elsewhere, 1, 0.8)
+    return f" Did you mean {elsewhere[close[0]]}?" if close else ""
 
 
 def _known_keys(place: Sequence[str], document: Mapping[str, Any]) -> list[str]:
@@ -263,15 +292,15 @@ def make(job: Job, formats: Sequence[Format] = tuple(Format), progress: Progress
 
     progress : called with (stage, steps done, steps in the stage).
 
-    Raises `InvalidValue` where the design's parameters leave no seed to grow from. Growth that
-    stops early, overlaps and the like are findings in the report.
+    Raises `InvalidJob` where the design's parameters leave nothing to grow, or a sheet without
+    area. Growth that stops early, overlaps and the like are findings in the report.
     """
     clock = _Clock(progress)
     findings: list[Finding] = []
-    with clock.stage("grow") as step:
+    with clock.stage("grow") as step, _named(job):
         growth = job.design.design().grow(step)
     findings += _growth_findings(growth)
-    with clock.stage("develop"):
+    with clock.stage("develop"), _named(job):
         development = develop(growth.mesh)
         pattern = crease_pattern(growth.mesh, development, job.sheet.scale(development))
     findings += _overlap_findings(development)
@@ -320,6 +349,19 @@ def make(job: Job, formats: Sequence[Format] = tuple(Format), progress: Progress
     return Made(files, report, tuple(findings))
 
 
+@contextmanager
+def _named(job: Job) -> Iterator[None]:
+    """Name the job's own key where the solver refuses a value."""
+    try:
+        yield
+    except InvalidValue as error:
+        design = DESIGNS[job.design.kind]
+        keys = {field.name: _key(field) for field in dataclasses.fields(design)}
+        key = keys.get(error.name.partition("[")[0])
+        place = f"design.{key}" if key else "design"
+        raise InvalidJob(f"{place}: {error}") from error
+
+
 def _flat_files(
     job: Job,
     pattern: CreasePattern,
@@ -353,7 +395,7 @@ def _solid_files(
     boxes: dict[str, list[float]],
     clock: _Clock,
 ) -> dict[str, Any] | None:
-    from fab.solid import assembly, joined_mesh, step_bytes, stl_bytes, threemf_bytes
+    from fab.solid import joined_mesh, step_bytes, stl_bytes, threemf_bytes
 
     with clock.stage("panels"):
         panels, missing = make_panels(pattern, job.panels)
@@ -370,7 +412,7 @@ def _solid_files(
     if Format.STEP in wanted:
         with clock.stage("step"):
             letters = pattern.edges_assignment.tolist()
-            files[f"{job.name}.step"] = step_bytes(assembly(panels, webs, letters, job.name))
+            files[f"{job.name}.step"] = step_bytes(panels, webs, letters, job.name)
     if Format.STL in wanted:
         with clock.stage("stl"):
             files[f"{job.name}.stl"] = stl_bytes(joined)
@@ -431,19 +473,30 @@ def write(made: Made, folder: Path) -> None:
     """Write all files of a job into `folder`, made if need be.
 
     Every file is written in full beside its place before any is renamed, so an interrupted run
-    leaves no half file under a final name.
+    leaves no half file under a final name. Raises `InvalidJob` where the folder cannot take them.
     """
     require_folder(folder)
-    fresh = not folder.exists()
-    folder.mkdir(parents=True, exist_ok=True)
-    beside = Path(tempfile.mkdtemp(prefix=".quadfold-", dir=folder))
+    for name in made.files:
+        if (folder / name).is_dir():
+            raise InvalidJob(f"{folder / name} is a folder. Move it, or choose another --out.")
+    fresh = [p for p in [folder, *folder.absolute().parents] if not p.exists()]
+    beside: Path | None = None
     try:
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=".quadfold-", dir=folder))
         for name, data in made.files.items():
             (beside / name).write_bytes(data)
         for name in made.files:
             (beside / name).replace(folder / name)
-        fresh = False
+        fresh = []
+    except OSError as error:
+        raise InvalidJob(
+            f"{folder}: cannot be written: {error.strerror or error}. No half file was left; "
+            "free some space, or choose another --out."
+        ) from error
     finally:
-        shutil.rmtree(beside, ignore_errors=True)
-        if fresh and not any(folder.iterdir()):
-            folder.rmdir()
+        if beside is not None:
+            shutil.rmtree(beside, ignore_errors=True)
+        for made_folder in fresh:
+            if made_folder.is_dir() and not any(made_folder.iterdir()):
+                made_folder.rmdir()

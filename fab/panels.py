@@ -19,6 +19,7 @@ from pydantic import Field
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
+from fab.polygons import are_convex, next_corner, ring_areas
 from fab.settings import Settings
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -31,8 +32,10 @@ _SHORTEST_SIDE_MM = 0.05
 class PanelSettings(Settings):
     """Thickness of the panels and the gap between them."""
 
-    thickness_mm: float = Field(default=1.6, gt=0, description="height of the panels")
-    gap_mm: float = Field(default=1.0, gt=0, description="between two panels, across their crease")
+    thickness_mm: float = Field(default=1.6, ge=0.01, le=1000, description="height of the panels")
+    gap_mm: float = Field(
+        default=1.0, ge=0.01, le=1000, description="between two panels, across their crease"
+    )
 
 
 @dataclass(frozen=True)
@@ -82,26 +85,8 @@ class Panels:
     creases: IntArray
 
 
-def ring_areas(ring: FloatArray, offsets: IntArray) -> FloatArray:
-    """Signed areas of polygons stored one after another, shape (n,)."""
-    if len(offsets) == 1:
-        return np.empty(0)
-    local = ring - np.repeat(ring[offsets[:-1]], np.diff(offsets), axis=0)
-    following = local[next_corner(offsets)]
-    twice = local[:, 0] * following[:, 1] - local[:, 1] * following[:, 0]
-    out: FloatArray = np.add.reduceat(twice, offsets[:-1]) / 2
-    return out
-
-
-def next_corner(offsets: IntArray) -> IntArray:
-    """Index of the following corner in the same ring, for all rings' corners."""
-    following = np.arange(offsets[-1]) + 1
-    following[offsets[1:] - 1] = offsets[:-1]
-    return following
-
-
 def make_panels(pattern: CreasePattern, settings: PanelSettings) -> tuple[Panels, list[Finding]]:
-    """One panel for each face; faces that are eaten up by their gaps are left out, and named."""
+    """One panel for each face; faces that lose a side to their gaps are left out, and named."""
     corners, offsets = pattern.faces_vertices, pattern.faces_offsets
     following = next_corner(offsets)
     creases = _side_edges(pattern, corners, corners[following])
@@ -109,18 +94,26 @@ def make_panels(pattern: CreasePattern, settings: PanelSettings) -> tuple[Panels
     setback = np.where(on_crease, settings.gap_mm / 2, 0.0)
     start = pattern.vertices_coords[corners]
     ring, kept = inset(start, offsets, setback)
-    missing = np.flatnonzero(~kept)
+    bent = (np.diff(offsets) > 4) & ~are_convex(start, offsets)
     findings = []
-    if len(missing):
-        findings.append(
-            Finding(
-                "panel-vanishes",
-                Severity.ERROR,
-                f"{len(missing)} faces are too small for gaps of {settings.gap_mm:g} mm on their "
-                "creases and have no panel. Lower gap_mm or enlarge the sheet.",
-                panels=tuple(missing[:20].tolist()),
-            )
-        )
+    for faces, code, why in (
+        (
+            np.flatnonzero(~kept & ~bent),
+            "panel-vanishes",
+            f"lose a side to gaps of {settings.gap_mm:g} mm on their creases and have no panel. "
+            "Lower gap_mm or enlarge the sheet.",
+        ),
+        (
+            np.flatnonzero(bent),
+            "panel-not-convex",
+            "have more than 4 sides and are not convex; they have no panel. Split them by creases.",
+        ),
+    ):
+        if len(faces):
+            text = f"{len(faces)} faces {why}"
+            named = tuple(faces[:20].tolist())
+            findings.append(Finding(code, Severity.ERROR, text, panels=named))
+    kept &= ~bent
     chosen = np.repeat(kept, np.diff(offsets))
     sizes = np.diff(offsets)[kept]
     prisms = Prisms(

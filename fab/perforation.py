@@ -11,6 +11,7 @@ from pydantic import Field
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
 from fab.settings import Settings
+from solver.errors import InvalidValue
 from solver.mesh import boundary_loops
 from solver.vectors import FloatArray, IntArray
 
@@ -19,6 +20,8 @@ __all__ = ["CutPaths", "DashStyle", "Layer", "Operation", "PerforationSettings",
 
 # What is left of a crease between its margins must be longer than this to be cut.
 _SHORTEST_CUT_MM = 0.01
+# A cutter takes days over more, and they fill the memory.
+_MOST_DASHES = 5_000_000
 
 
 class Operation(StrEnum):
@@ -32,8 +35,8 @@ class Operation(StrEnum):
 class DashStyle(Settings):
     """Cuts and gaps along a crease; the ratio is kept and the period fitted to each crease."""
 
-    cut_mm: float = Field(gt=0, description="length of each cut")
-    gap_mm: float = Field(gt=0, description="uncut material between two cuts")
+    cut_mm: float = Field(ge=0.01, le=1000, description="length of each cut")
+    gap_mm: float = Field(ge=0.01, le=1000, description="uncut material between two cuts")
 
 
 class PerforationSettings(Settings):
@@ -41,7 +44,9 @@ class PerforationSettings(Settings):
 
     mountain: DashStyle = DashStyle(cut_mm=3.0, gap_mm=1.0)
     valley: DashStyle = DashStyle(cut_mm=1.0, gap_mm=1.0)
-    margin_mm: float = Field(default=0.5, ge=0, description="uncut at both ends of every crease")
+    margin_mm: float = Field(
+        default=0.5, gt=0, le=1000, description="uncut at both ends of every crease"
+    )
 
 
 @dataclass(frozen=True)
@@ -89,9 +94,9 @@ def perforate(
             findings.append(
                 Finding(
                     "crease-too-short",
-                    Severity.WARNING,
-                    f"{len(uncut)} {operation.lower()} creases are not longer than both margins "
-                    f"together ({2 * settings.margin_mm:g} mm) and stay uncut. "
+                    Severity.ERROR if len(uncut) == len(creases) else Severity.WARNING,
+                    f"{len(uncut)} of {len(creases)} {operation.lower()} creases leave nothing "
+                    f"between their margins ({2 * settings.margin_mm:g} mm) and stay uncut. "
                     "Lower margin_mm or enlarge the sheet.",
                     creases=tuple(uncut[:20].tolist()),
                 )
@@ -114,21 +119,33 @@ def dashes(ends: FloatArray, style: DashStyle, margin_mm: float) -> tuple[FloatA
     Returns
     -------
     segments, shape (m, 2, 2), and the number of each segment's line, shape (m,), rising. The first
-    cut begins and the last one ends at the margin; cut and gap are scaled alike to fit. A line
-    that leaves less than 0.01 mm between its margins has none.
+    cut begins and the last one ends at the margin; cut and gap are scaled alike to fit. A line too
+    short for two cuts has one in its middle, not longer than asked for. A line that leaves less
+    than 0.01 mm between its margins has none.
     """
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(span[:, 0], span[:, 1])
     room = length - 2 * margin_mm
     period = style.cut_mm + style.gap_mm
-    count = np.where(room > _SHORTEST_CUT_MM, np.maximum(1, np.rint((room + style.gap_mm) / period)), 0)
+    count = np.where(
+        room > _SHORTEST_CUT_MM, np.maximum(1, np.rint((room + style.gap_mm) / period)), 0
+    )
     count = count.astype(np.int64)
+    if count.sum() > _MOST_DASHES:
+        raise InvalidValue(
+            "number of dashes",
+            int(count.sum()),
+            f"be at most {_MOST_DASHES}",
+            "Raise cut_mm and gap_mm, or make the sheet smaller.",
+        )
     owner = np.repeat(np.arange(len(ends)), count)
     number = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
     with np.errstate(divide="ignore", invalid="ignore"):
-        scale = room / (count * period - style.gap_mm)
+        scale = np.where(count > 1, room / (count * period - style.gap_mm), 1.0)
         direction = span / length[:, None]
-    begin = margin_mm + number * (scale * period)[owner]
-    along = np.stack([begin, begin + (scale * style.cut_mm)[owner]], axis=1)
+    cut = np.minimum(scale * style.cut_mm, room)
+    first = np.where(count > 1, margin_mm, (length - cut) / 2)
+    begin = first[owner] + number * (scale * period)[owner]
+    along = np.stack([begin, begin + cut[owner]], axis=1)
     segments = ends[owner, None, 0] + along[:, :, None] * direction[owner][:, None]
     return segments, owner

@@ -8,13 +8,14 @@ import re
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from fab.hinges import Webs
-from fab.panels import Panels, Prisms, next_corner
+from fab.panels import Panels, Prisms
+from fab.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -30,8 +31,14 @@ __all__ = [
     "threemf_bytes",
 ]
 
-_PANEL_COLOUR = (0.85, 0.82, 0.75)
-_HINGE_COLOURS = {"M": (0.85, 0.2, 0.2), "V": (0.2, 0.35, 0.85), "F": (0.5, 0.5, 0.5)}
+Colour: TypeAlias = tuple[float, float, float]
+
+_PANEL_COLOUR: Colour = (0.85, 0.82, 0.75)
+_HINGE_COLOURS: dict[str, Colour] = {
+    "M": (0.85, 0.2, 0.2),
+    "V": (0.2, 0.35, 0.85),
+    "F": (0.5, 0.5, 0.5),
+}
 
 
 @dataclass(frozen=True)
@@ -253,18 +260,27 @@ def assembly(panels: Panels, webs: Webs, assignments: Sequence[str], name: str) 
 
     assignments : letter of every edge of the pattern. Panel f stands on face f, hinge e on edge e.
     """
-    from build123d import Color, Compound
+    from build123d import Color
 
-    children = []
-    for face, solid in zip(panels.faces.tolist(), _solids(panels.prisms), strict=True):
-        solid.label = f"panel_{face}"
-        solid.color = Color(*_PANEL_COLOUR)
-        children.append(solid)
-    for edge, solid in zip(webs.creases.tolist(), _solids(webs.prisms), strict=True):
-        solid.label = f"hinge_{edge}"
-        solid.color = Color(*_HINGE_COLOURS[assignments[edge]])
-        children.append(solid)
-    return Compound(label=name, children=children)
+    compound = _labelled(panels, webs, name)
+    for child, colour in zip(compound.children, _colours(panels, webs, assignments), strict=True):
+        child.color = Color(*colour)
+    return compound
+
+
+def _labelled(panels: Panels, webs: Webs, name: str) -> Compound:
+    from build123d import Compound
+
+    solids = _solids(panels.prisms) + _solids(webs.prisms)
+    labels = [f"panel_{face}" for face in panels.faces] + [f"hinge_{e}" for e in webs.creases]
+    for solid, label in zip(solids, labels, strict=True):
+        solid.label = label
+    return Compound(label=name, children=solids)
+
+
+def _colours(panels: Panels, webs: Webs, assignments: Sequence[str]) -> list[Colour]:
+    hinges = [_HINGE_COLOURS[assignments[edge]] for edge in webs.creases.tolist()]
+    return [_PANEL_COLOUR] * len(panels.faces) + hinges
 
 
 def _solids(prisms: Prisms) -> list[Solid]:
@@ -324,19 +340,59 @@ def _solid_maker() -> Callable[[FloatArray, FloatArray, float], Solid]:
     return make
 
 
-def step_bytes(compound: Compound) -> bytes:
-    """STEP AP214 file with names and colours, the same bytes for the same compound.
+def step_bytes(panels: Panels, webs: Webs, assignments: Sequence[str], name: str) -> bytes:
+    """STEP AP214 file of the assembly with names and colours, the same bytes for the same solids.
 
-    OpenCASCADE numbers the uses of parts in an assembly by a counter of the running process; here
-    they are numbered from 1 in every file.
+    OpenCASCADE numbers the uses of parts in an assembly by a counter of the running process, and
+    writes colours in the order of memory addresses. So uses are numbered from 1 here, and the
+    colours are written by ourselves, one style for all solids that share it.
     """
     from build123d import export_step
 
     stream = io.BytesIO()
-    export_step(compound, stream, write_pcurves=False, timestamp="1980-01-01T00:00:00")
+    timestamp = "1980-01-01T00:00:00"
+    export_step(_labelled(panels, webs, name), stream, write_pcurves=False, timestamp=timestamp)
     uses = itertools.count(1)
-    return re.sub(
-        rb"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+(')",
-        lambda match: match[1] + str(next(uses)).encode() + match[2],
-        stream.getvalue(),
+    text = re.sub(
+        r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+(')",
+        lambda match: f"{match[1]}{next(uses)}{match[2]}",
+        stream.getvalue().decode("ascii"),
     )
+    body, end, tail = text.rpartition("ENDSEC;")
+    return "".join(
+        [body, _step_styles(body, _colours(panels, webs, assignments)), end, tail]
+    ).encode()
+
+
+def _step_styles(body: str, colours: list[Colour]) -> str:
+    """Entities that colour the solids of a STEP file, in the order of the file."""
+    solids = re.findall(r"^#(\d+) = MANIFOLD_SOLID_BREP\(", body, re.MULTILINE)
+    context = re.search(r"^#(\d+) = \( GEOMETRIC_REPRESENTATION_CONTEXT\(3\)", body, re.MULTILINE)
+    last = re.findall(r"^#(\d+) = ", body, re.MULTILINE)[-1]
+    if context is None or len(solids) != len(colours):
+        raise RuntimeError(f"STEP file with {len(solids)} solids, {len(colours)} were given")
+    number = itertools.count(int(last) + 1)
+    lines: list[str] = []
+
+    def entity(text: str) -> str:
+        lines.append(f"#{next(number)} = {text};\n")
+        return lines[-1].partition(" ")[0]
+
+    styles: dict[Colour, str] = {}
+    items = []
+    for solid, colour in zip(solids, colours, strict=True):
+        if colour not in styles:
+            rgb = entity("COLOUR_RGB('',%.6f,%.6f,%.6f)" % colour)
+            fill = entity(f"FILL_AREA_STYLE_COLOUR('',{rgb})")
+            area = entity(f"FILL_AREA_STYLE('',({fill}))")
+            side = entity(f"SURFACE_STYLE_FILL_AREA({area})")
+            sides = entity(f"SURFACE_SIDE_STYLE('',({side}))")
+            usage = entity(f"SURFACE_STYLE_USAGE(.BOTH.,{sides})")
+            styles[colour] = entity(f"PRESENTATION_STYLE_ASSIGNMENT(({usage}))")
+        items.append(entity(f"STYLED_ITEM('color',({styles[colour]}),#{solid})"))
+    entity(
+        "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION('',("
+        + ",".join(items)
+        + f"),#{context[1]})"
+    )
+    return "".join(lines)

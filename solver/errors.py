@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["InvalidValue", "OrigamiError", "require_at_least", "require_positive", "require_within"]
+__all__ = [
+    "InvalidValue",
+    "OrigamiError",
+    "require_count",
+    "require_length",
+    "require_positive",
+    "require_within",
+]
+
+# Far beyond every sheet that fits into memory, and every length that keeps its digits.
+_MOST = 1_000_000
+_LENGTHS = (1e-6, 1e6)
 
 
 class OrigamiError(Exception):
@@ -32,10 +43,18 @@ def require_positive(name: str, value: float, cure: str = "Give a positive numbe
         raise InvalidValue(name, value, "be finite and greater than 0", cure)
 
 
-def require_at_least(name: str, value: int, least: int, cure: str) -> None:
-    """Raise `InvalidValue` unless the count `value` is at least `least`."""
-    if value < least:
-        raise InvalidValue(name, value, f"be at least {least}", cure)
+def require_count(name: str, value: int, least: int, cure: str) -> None:
+    """Raise `InvalidValue` unless the count `value` lies from `least` to a million."""
+    if not least <= value <= _MOST:
+        raise InvalidValue(name, value, f"lie from {least} to {_MOST}", cure)
+
+
+def require_length(name: str, value: float) -> None:
+    """Raise `InvalidValue` unless `value` is a length in design units, 1e-6 to 1e6."""
+    low, high = _LENGTHS
+    if not low <= value <= high:
+        cure = "Lengths of a design are relative: the sheet's size is set when files are made."
+        raise InvalidValue(name, value, f"lie from {low:g} to {high:g}", cure)
 
 
 def require_within(
@@ -48,4 +67,4 @@ def require_within(
     def say(x: float) -> str:
         return f"{x:.9g} rad ({math.degrees(x):.7g} deg)" if angle else f"{x:.9g}"
 
-    raise InvalidValue(name, say(value), f"lie between {say(low)} and {say(high)}", cure)
+    raise InvalidValue(name, say(value), f"lie strictly between {say(low)} and {say(high)}", cure)

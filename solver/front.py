@@ -17,8 +17,8 @@ import numpy as np
 
 from solver.errors import InvalidValue, require_within
 from solver.mesh import QuadMesh, Side
-from solver.transfer import coupling, half_angles
-from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm, unit
+from solver.transfer import half_angles
+from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm
 from solver.vertex import locked_flap_angles, require_foldable, self_intersects
 
 __all__ = ["Front", "Rays"]
@@ -32,20 +32,25 @@ class Rays:
     ----------
     vertices_coords : the front, shape (m + 1, 3).
     directions : unit vectors, shape (m + 1, 3).
-    flap_angles : of the interior vertices, radians in [0, 2 pi), shape (m - 1,).
+    half_flaps : sine and cosine of half the flap angles of the interior vertices, (m - 1,) each.
     length_bounds : each length must be below it; inf where neighbouring rays do not meet
         (equations S20, S21), shape (m + 1,).
     """
 
     vertices_coords: FloatArray
     directions: FloatArray
-    flap_angles: FloatArray
+    half_flaps: tuple[FloatArray, FloatArray]
     length_bounds: FloatArray
+
+    @property
+    def flap_angles(self) -> FloatArray:
+        """Flap angles of the interior vertices, radians in [0, 2 pi), shape (m - 1,)."""
+        return full_turn(2 * np.arctan2(*self.half_flaps))
 
     def row(self, lengths: FloatArray | float) -> FloatArray:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
-        spread = np.broadcast_to(np.asarray(lengths, float), len(self.directions))
-        return self.vertices_coords + spread[:, None] * self.directions
+        each = np.asarray(lengths, float)
+        return self.vertices_coords + (each[:, None] if each.ndim else each) * self.directions
 
 
 @dataclass(frozen=True)
@@ -57,8 +62,11 @@ class Front:
     vertices_coords : shape (m + 1, 3).
     edges_length, edges_direction : shapes (m,) and (m, 3).
     beta, k, couplings : of the interior vertices, shape (m - 1,).
-    normals : of the beta planes, shape (m - 1, 3).
+    normals : of the beta planes, n = unit(a x b), shape (m - 1, 3).
+    inner : n x a, in the beta planes on b's side, shape (m - 1, 3).
     deltas : angle between successive beta planes about their common edge, shape (m - 2,).
+    sin_beta, rise, run : of the interior vertices: with (S13), theta1 is the angle whose tangent is
+        rise / (run + 2 sin_beta sin^2(alpha/2)), shape (m - 1,).
     back : unit directions to the previous row, shape (m - 1, 3); None where the front is a curve.
     """
 
@@ -69,7 +77,11 @@ class Front:
     k: FloatArray
     couplings: FloatArray
     normals: FloatArray
+    inner: FloatArray
     deltas: FloatArray
+    sin_beta: FloatArray
+    rise: FloatArray
+    run: FloatArray
     back: FloatArray | None = None
 
     @classmethod
@@ -80,9 +92,21 @@ class Front:
         """
         x = vertices_coords
         length, direction = _edges(x)
-        back = unit(previous_coords[1:-1] - x[1:-1])
-        theta4 = _angle(direction[:-1], back, negate=True)
-        theta3 = _angle(direction[1:], back)
+        crease = previous_coords[1:-1] - x[1:-1]
+        size = norm(crease)
+        if not size.min() > 0:
+            i = int(np.flatnonzero(~(size > 0))[0])
+            raise InvalidValue(
+                f"length of the crease behind front vertex {i + 1}",
+                size[i],
+                "be greater than 0",
+                "Rows must not meet: choose longer creases.",
+            )
+        back = crease / size[:, None]
+        before, after = direction[:-1], direction[1:]
+        # angles of unit vectors u, v as 2 atan2(|u - v|, |u + v|); the left one is against `before`
+        theta4 = 2 * np.arctan2(norm(before + back), norm(before - back))
+        theta3 = 2 * np.arctan2(norm(after - back), norm(after + back))
         return cls._with_k(x, length, direction, 2 * np.pi - theta3 - theta4, back)
 
     @classmethod
@@ -102,7 +126,9 @@ class Front:
                 "Give one value for each interior vertex of the front.",
             )
         spread = np.broadcast_to(angles, len(vertices_coords) - 2)
-        return cls._with_k(vertices_coords, length, direction, spread)
+        front = cls._with_k(vertices_coords, length, direction, spread)
+        require_foldable(front.beta, front.k)
+        return front
 
     @classmethod
     def of(cls, mesh: QuadMesh, side: Side, k: FloatArray | float | None = None) -> Front:
@@ -122,7 +148,9 @@ class Front:
                 "be left out where faces lie behind the front",
                 "There k follows from developability.",
             )
-        return cls.between(x, mesh.vertices_coords[behind])
+        y = mesh.vertices_coords[behind]
+        _require_convex(x, y)
+        return cls.between(x, y)
 
     @classmethod
     def _with_k(
@@ -133,14 +161,26 @@ class Front:
         k: FloatArray,
         back: FloatArray | None = None,
     ) -> Front:
-        across = cross(direction[1:], direction[:-1])  # a x b with a = -direction[:-1]
+        before, after = direction[:-1], direction[1:]
+        across = cross(after, before)  # a x b with a = -before
         sine = norm(across)
-        beta = np.arctan2(sine, -dot(direction[:-1], direction[1:]))
-        require_foldable(beta, k)
+        along = dot(before, after)
+        beta = np.arctan2(sine, -along)
+        half_sum, half_difference = (k + beta) / 2, (k - beta) / 2
+        sin_sum, sin_difference = np.sin(half_sum), np.sin(half_difference)
+        couplings = sin_difference / sin_sum  # as `solver.transfer.coupling`
+        # cos beta - cos k and sin k - sin beta without cancellation where k nears beta
+        rise, run = 2 * sin_sum * sin_difference, 2 * np.cos(half_sum) * sin_difference
+        # rounding leaves tiny couplings where a bound is met exactly
+        if not (couplings.min() > 1e-12 and couplings.max() < 1e12 and sine.min() > 0):
+            require_foldable(beta, k)
         normals = across / sine[:, None]
-        n0, n1 = normals[:-1], normals[1:]
-        deltas = np.arctan2(dot(direction[1:-1], cross(n0, n1)), dot(n0, n1))
-        return cls(x, length, direction, beta, k, coupling(beta, k), normals, deltas, back)
+        inner = (after - along[:, None] * before) / sine[:, None]
+        sin_delta, cos_delta = -dot(normals[:-1], inner[1:]), dot(normals[:-1], normals[1:])
+        deltas = np.arctan2(sin_delta, cos_delta)
+        return cls(
+            x, length, direction, beta, k, couplings, normals, inner, deltas, sine, rise, run, back
+        )
 
     def self_intersections(self, flap_angles: FloatArray) -> BoolArray:
         """Vertices at which new faces would cross the old ones, shape (m - 1, q).
@@ -188,17 +228,14 @@ class Front:
             raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
         s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
         cos_flap, sin_flap = c * c - s * s, 2 * s * c
-        sin_beta = np.sin(self.beta)
-        rise = 2 * np.sin((self.k + self.beta) / 2) * np.sin((self.k - self.beta) / 2)
-        run = np.sin(self.k) - sin_beta * cos_flap  # (S13): theta1 = atan2(rise, run)
-        size = np.hypot(rise, run)
-        cos1, sin1 = run / size, rise / size
+        run = self.run + 2 * self.sin_beta * s * s
+        size = np.hypot(self.rise, run)
+        cos1, sin1 = run / size, self.rise / size
         a = -self.edges_direction[:-1]
-        p = cross(self.normals, a)
         directions = np.empty_like(self.vertices_coords)
         directions[1:-1] = (
             cos1[:, None] * a
-            + (sin1 * cos_flap)[:, None] * p
+            + (sin1 * cos_flap)[:, None] * self.inner
             + (sin1 * sin_flap)[:, None] * self.normals
         )
         # theta2 = k - theta1: its cosine and sine without another arctangent
@@ -209,13 +246,32 @@ class Front:
         right = np.empty((2, last))
         left[:, 1:] = cos2, sin2
         right[:, :-1] = cos1, sin1
-        edge, inner = self.edges_direction[0], directions[1]
-        directions[0], left[:, 0] = _boundary_ray(edge, inner, boundary_angles[0], "left")
-        edge, inner = -self.edges_direction[-1], directions[-2]
-        directions[-1], right[:, -1] = _boundary_ray(edge, inner, boundary_angles[1], "right")
-        flap = full_turn(2 * np.arctan2(s, c))
-        return Rays(
-            self.vertices_coords, directions, flap, _length_bounds(self.edges_length, left, right)
+        directions[0], directions[-1] = directions[1], directions[-2]
+        left[:, 0] = -cos1[0], sin1[0]
+        right[:, -1] = -cos2[-1], sin2[-1]
+        angle_left, angle_right = boundary_angles
+        if angle_left is not None:
+            edge = self.edges_direction[0]
+            directions[0], left[:, 0] = _boundary_ray(edge, directions[1], angle_left, "left")
+        if angle_right is not None:
+            edge = -self.edges_direction[-1]
+            directions[-1], right[:, -1] = _boundary_ray(edge, directions[-2], angle_right, "right")
+        bounds = _length_bounds(self.edges_length, left, right)
+        return Rays(self.vertices_coords, directions, (s, c), bounds)
+
+
+def _require_convex(x: FloatArray, y: FloatArray) -> None:
+    """Refuse faces behind a front that are reflex at it; grown faces never are."""
+    edge, left, right = x[1:] - x[:-1], y[:-1] - x[:-1], y[1:] - x[1:]
+    normal = cross(x[1:] - y[:-1], x[:-1] - y[1:])
+    reflex = (dot(cross(left, edge), normal) <= 0) | (dot(cross(right, edge), normal) <= 0)
+    if reflex.any():
+        i = int(np.flatnonzero(reflex)[0])
+        raise InvalidValue(
+            f"face behind front edge {i}",
+            "reflex at the front",
+            "have angles below 180 degrees there",
+            "Grow from convex faces, or on another side.",
         )
 
 
@@ -226,7 +282,7 @@ def _edges(x: FloatArray) -> tuple[FloatArray, FloatArray]:
         )
     edge = x[1:] - x[:-1]
     length = norm(edge)
-    if not (np.isfinite(length).all() and length.all()):
+    if not (length.min() > 0 and length.max() < np.inf):
         i = int(np.flatnonzero(~(np.isfinite(length) & (length > 0)))[0])
         raise InvalidValue(
             f"length of front edge {i}",
@@ -237,24 +293,15 @@ def _edges(x: FloatArray) -> tuple[FloatArray, FloatArray]:
     return length, edge / length[:, None]
 
 
-def _angle(u: FloatArray, v: FloatArray, *, negate: bool = False) -> FloatArray:
-    along = dot(u, v)
-    out: FloatArray = np.arctan2(norm(cross(u, v)), -along if negate else along)
-    return out
-
-
 def _boundary_ray(
-    edge: FloatArray, inner: FloatArray, angle: float | None, which: str
+    edge: FloatArray, inner: FloatArray, angle: float, which: str
 ) -> tuple[FloatArray, tuple[float, float]]:
     """Direction at an end of the front in the plane of its quad, with cosine and sine to `edge`.
 
     edge : unit vector into the front; inner : the neighbouring ray, which fixes the plane.
     """
-    along = float(edge @ inner)
-    across = inner - along * edge
+    across = inner - (edge @ inner) * edge
     height = float(np.sqrt(across @ across))
-    if angle is None:
-        return inner, (along, height)
     require_within(
         f"boundary angle ({which})", angle, 0.0, np.pi, "Leave it out for parallel.", angle=True
     )
@@ -268,7 +315,8 @@ def _length_bounds(length: FloatArray, left: FloatArray, right: FloatArray) -> F
     meet = left[1] * right[0] + left[0] * right[1]
     meets = meet > 8 * np.finfo(float).eps
     base = np.divide(length, meet, out=np.full_like(length, np.inf), where=meets)
-    bounds = np.full(len(length) + 1, np.inf)
-    np.multiply(base, right[1], out=bounds[:-1], where=meets)
-    np.minimum(bounds[1:], np.where(meets, base * left[1], np.inf), out=bounds[1:])
+    bounds = np.empty(len(length) + 1)
+    bounds[-1] = np.inf
+    np.multiply(base, right[1], out=bounds[:-1])
+    np.minimum(bounds[1:], base * left[1], out=bounds[1:])
     return bounds

@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from solver.errors import InvalidValue, require_at_least
+from solver.errors import InvalidValue, require_count
 from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
 from solver.vectors import FloatArray
@@ -22,6 +22,12 @@ class Status(StrEnum):
     GROWN = "grown"
     FRONT_NOT_FOLDABLE = "front_not_foldable"
     LENGTH_OVER_BOUND = "length_over_bound"
+    LENGTH_NOT_POSITIVE = "length_not_positive"
+
+
+# More would not fit into the memory of a common machine.
+_MOST_QUADS = 20_000_000
+_CURE = "Another flap angle or other lengths in this strip and those before may help."
 
 
 @dataclass(frozen=True)
@@ -76,8 +82,13 @@ def grow(
     A seed that cannot grow at all raises `InvalidValue`; a later strip that cannot grow ends growth
     with a status and keeps all strips before it.
     """
-    require_at_least("strips", strips, 1, "Ask for one strip or more.")
+    require_count("strips", strips, 1, "Ask for one strip or more.")
     front = Front.of(mesh, side, k)
+    quads = strips * len(front.edges_length)
+    if quads > _MOST_QUADS:
+        raise InvalidValue(
+            "quads to grow", quads, f"be at most {_MOST_QUADS}", "Ask for fewer columns or strips."
+        )
     rows = np.empty((strips, *front.vertices_coords.shape))
     for j in range(strips):
         if j:
@@ -89,25 +100,18 @@ def grow(
                     mesh.extended(side, rows[:j]),
                     j,
                     Status.FRONT_NOT_FOLDABLE,
-                    f"Strip {j + 1} of {strips} has no room to fold: {error} "
-                    "Another flap angle or shorter creases in the strips before may help.",
+                    f"Strip {j + 1} of {strips} has no room to fold: {error} {_CURE}",
                 )
         choice = choose(front, j)
         rays = front.rays(choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles)
         lengths = _lengths(choice, rays)
-        over = np.flatnonzero(lengths >= rays.length_bounds)
-        if len(over):
-            i = int(over[0])
-            advice = (
-                f"Strip {j + 1} of {strips}: the crease at front vertex {i} is {lengths[i]:.6g} "
-                f"long, but neighbouring creases meet at {rays.length_bounds[i]:.6g}. "
-                "Choose shorter lengths or another flap angle."
-            )
+        stop = _length_trouble(lengths, rays)
+        if stop is not None:
+            i, status, bound = stop
+            advice = f"Strip {j + 1} of {strips}: at front vertex {i} the length must {bound}."
             if j == 0:
-                raise InvalidValue(
-                    f"length[{i}]", lengths[i], f"be below {rays.length_bounds[i]:.9g}", advice
-                )
-            return Growth(mesh.extended(side, rows[:j]), j, Status.LENGTH_OVER_BOUND, advice)
+                raise InvalidValue(f"length[{i}]", lengths[i], bound, advice)
+            return Growth(mesh.extended(side, rows[:j]), j, status, f"{advice} {_CURE}")
         rows[j] = rays.row(lengths)
         if progress is not None:
             progress(j + 1, strips)
@@ -116,10 +120,27 @@ def grow(
 
 def _lengths(choice: Strip, rays: Rays) -> FloatArray:
     given = choice.lengths(rays) if callable(choice.lengths) else choice.lengths
-    lengths = np.broadcast_to(np.asarray(given, float), len(rays.directions))
-    if not (np.isfinite(lengths).all() and (lengths > 0).all()):
-        i = int(np.flatnonzero(~(np.isfinite(lengths) & (lengths > 0)))[0])
+    lengths = np.asarray(given, float)
+    size = len(rays.directions)
+    if lengths.shape == (size,):
+        return lengths
+    if lengths.ndim:
         raise InvalidValue(
-            f"length[{i}]", lengths[i], "be finite and greater than 0", "Give positive lengths."
+            "lengths",
+            f"array of shape {lengths.shape}",
+            f"be a number or have shape ({size},)",
+            "Give one length for all creases, or one for each front vertex.",
         )
-    return lengths
+    return np.full(size, lengths)
+
+
+def _length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
+    """The first vertex whose length cannot be used, why, and the bound; None where all can."""
+    if lengths.min() > 0 and (lengths < rays.length_bounds).all():
+        return None
+    unusable = np.flatnonzero(~(np.isfinite(lengths) & (lengths > 0)))
+    if len(unusable):
+        return int(unusable[0]), Status.LENGTH_NOT_POSITIVE, "be finite and greater than 0"
+    i = int(np.flatnonzero(lengths >= rays.length_bounds)[0])
+    bound = f"be below {rays.length_bounds[i]:.9g}, where neighbouring creases meet"
+    return i, Status.LENGTH_OVER_BOUND, bound

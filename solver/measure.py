@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.mesh import interior_vertices
-from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm
+from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm
 
 __all__ = ["angle_excess", "developability", "isometry", "planarity", "sector_angles"]
 
@@ -40,10 +40,16 @@ def planarity(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArr
 
 
 def sector_angles(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
-    """Angle of every face at every corner, radians in [0, pi], shape (nf, n)."""
+    """Inner angle of every face at every corner, radians in [0, 2 pi), shape (nf, n).
+
+    Reflex corners are told by the face's area normal: there the corner turns the other way.
+    """
     corners = vertices_coords[faces_vertices]
-    edge = np.roll(corners, -1, axis=1) - corners
-    return angle_between(edge, -np.roll(edge, 1, axis=1))
+    after = np.roll(corners, -1, axis=1) - corners
+    turn = cross(after, -np.roll(after, 1, axis=1))
+    angle = np.arctan2(norm(turn), -dot(after, np.roll(after, 1, axis=1)))
+    reflex = dot(turn, turn.sum(axis=1, keepdims=True)) < 0
+    return np.where(reflex, 2 * np.pi - angle, angle)
 
 
 def angle_excess(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.errors import require_at_least, require_positive, require_within
+from solver.errors import require_count, require_length, require_within
 from solver.mesh import QuadMesh
 from solver.vectors import FloatArray
 from solver.vertex import require_foldable
@@ -32,13 +32,13 @@ def miura(
 
     Source: M. Schenk and S. D. Guest, "Geometry of Miura-folded metamaterials", PNAS 110 (2013).
     """
-    require_at_least("columns", columns, 2, "A strip needs an interior crease.")
+    require_count("columns", columns, 2, "A strip needs an interior crease.")
     require_within(
         "sector_angle", sector_angle, 0.0, np.pi / 2, "60 degrees is common.", angle=True
     )
     require_within("fold", fold, 0.0, np.pi / 2, "0 is flat, 90 degrees is closed.", angle=True)
-    require_positive("zigzag_length", zigzag_length)
-    require_positive("crease_length", crease_length)
+    require_length("zigzag_length", zigzag_length)
+    require_length("crease_length", crease_length)
     lean = np.sqrt(1 - (np.sin(fold) * np.sin(sector_angle)) ** 2)
     step = zigzag_length * np.cos(fold) * np.sin(sector_angle) / lean
     swing = zigzag_length * np.cos(sector_angle) / lean
@@ -63,7 +63,7 @@ def corrugated(columns: int, beta: float, k: float, lengths: FloatArray) -> Quad
     beta, k : radians, 0 < beta < pi and beta < k < 2 pi - beta.
     lengths : of the creases, positive, shape (columns + 1,).
     """
-    require_at_least("columns", columns, 2, "A strip needs an interior crease.")
+    require_count("columns", columns, 2, "A strip needs an interior crease.")
     require_foldable(np.array([beta]), np.array([k]))
     a = np.array([0.0, -np.sin(beta / 2), -np.cos(beta / 2)])
     b = np.array([0.0, np.sin(beta / 2), -np.cos(beta / 2)])

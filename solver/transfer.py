@@ -25,6 +25,9 @@ from solver.vectors import FloatArray, full_turn
 
 __all__ = ["coupling", "half_angles", "prefix_products", "transform"]
 
+# A chain is normalised before the logarithm of its length can have changed by more than this.
+_LOG_RANGE = 300.0
+
 
 def coupling(beta: FloatArray, k: FloatArray) -> FloatArray:
     """The constant C of each vertex; beta, k in radians, shape (n,)."""
@@ -43,31 +46,47 @@ def half_angles(
     deltas : angle between the beta planes of vertices i and i + 1, radians, shape (n - 1,).
     flap_angle : radians, of vertex number `at` (0 to n - 1).
     """
-    size = len(couplings)
-    c_list = couplings.tolist()
-    cos_list = np.cos(deltas / 2).tolist()
-    sin_list = np.sin(deltas / 2).tolist()
-    sines = [0.0] * size
-    cosines = [0.0] * size
-    hypot = math.hypot
-    sines[at] = s = math.sin(flap_angle / 2)
-    cosines[at] = c = math.cos(flap_angle / 2)
-    for i in range(at, size - 1):
-        s, c = c_list[i] * c, s
-        turn_c, turn_s = cos_list[i], sin_list[i]
-        s, c = s * turn_c + c * turn_s, c * turn_c - s * turn_s
-        scale = 1.0 / hypot(s, c)
-        sines[i + 1] = s = s * scale
-        cosines[i + 1] = c = c * scale
-    s, c = sines[at], cosines[at]
-    for i in range(at - 1, -1, -1):
-        turn_c, turn_s = cos_list[i], sin_list[i]
-        s, c = s * turn_c - c * turn_s, c * turn_c + s * turn_s
-        s, c = c_list[i] * c, s
-        scale = 1.0 / hypot(s, c)
-        sines[i] = s = s * scale
-        cosines[i] = c = c * scale
-    return np.array(sines), np.array(cosines)
+    # one step, with the coupling spread evenly (determinant -1) so that products stay in range:
+    # (s, c) -> (p s + q c, r s - t c), and backwards (s, c) -> (t s + q c, r s - p c)
+    root = np.sqrt(couplings)
+    cos_half, sin_half = np.cos(deltas / 2), np.sin(deltas / 2)
+    p, q = sin_half / root[:-1], cos_half * root[:-1]
+    r, t = cos_half / root[:-1], sin_half * root[:-1]
+    start = math.sin(flap_angle / 2), math.cos(flap_angle / 2)
+    # a step stretches by at most sqrt(C) or its inverse: normalise before numbers overflow
+    stretch = max(float(root.max()), 1 / float(root.min()), 1.1)
+    stride = max(1, int(_LOG_RANGE / math.log(stretch)))
+    ahead = _walk(p[at:], q[at:], r[at:], t[at:], start, stride)
+    behind = _walk(t[:at][::-1], q[:at][::-1], r[:at][::-1], p[:at][::-1], start, stride)
+    s, c = np.concatenate([behind[:, ::-1], np.array(start)[:, None], ahead], axis=1)
+    size = np.hypot(s, c)
+    return s / size, c / size
+
+
+def _walk(
+    p: FloatArray,
+    q: FloatArray,
+    r: FloatArray,
+    t: FloatArray,
+    start: tuple[float, float],
+    stride: int,
+) -> FloatArray:
+    """Images of `start` under one step after another, up to a factor each, shape (2, n).
+
+    stride : steps between two normalisations.
+    """
+    s, c = start
+    sines: list[float] = []
+    cosines: list[float] = []
+    steps = p.tolist(), q.tolist(), r.tolist(), t.tolist()
+    for begin in range(0, len(p), stride):
+        for a, b, d, e in zip(*(step[begin : begin + stride] for step in steps), strict=True):
+            s, c = a * s + b * c, d * s - e * c
+            sines.append(s)
+            cosines.append(c)
+        scale = 1.0 / math.hypot(s, c)
+        s, c = s * scale, c * scale
+    return np.array([sines, cosines])
 
 
 def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:

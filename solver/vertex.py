@@ -79,9 +79,10 @@ def sector_angles(
         raise InvalidValue(
             "flap_angle", "NaN or infinity", "be finite", "Give an angle in radians."
         )
-    # cos beta - cos k > 0 as a product: no cancellation where k comes near beta.
+    # cos beta - cos k and sin k - sin beta cos alpha without cancellation where k nears beta
     rise = 2 * np.sin((s + b) / 2) * np.sin((s - b) / 2)
-    theta1 = np.arctan2(rise, np.sin(s) - np.sin(b) * np.cos(alpha))
+    run = 2 * np.cos((s + b) / 2) * np.sin((s - b) / 2) + 2 * np.sin(b) * np.sin(alpha / 2) ** 2
+    theta1 = np.arctan2(rise, run)
     return theta1, s - theta1
 
 

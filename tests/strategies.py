@@ -37,16 +37,16 @@ def frames(draw):
 
 
 @st.composite
-def patches(draw, columns=st.integers(3, 9), strips=st.integers(1, 5)):
+def patches(draw):
     """A folded patch grown from a curve."""
     design = CurvedFold(
-        columns=draw(columns),
+        columns=draw(st.integers(3, 9)),
         step=draw(st.floats(0.05, 0.2)),
         zigzag=draw(st.floats(0.03, 0.2)),
         k=np.radians(draw(st.floats(176.0, 184.0))),
         flap_angle=np.radians(draw(st.floats(110.0, 250.0))),
         crease_length=draw(st.floats(0.01, 0.05)),
-        strips=draw(strips),
+        strips=draw(st.integers(1, 5)),
     )
     try:
         mesh: QuadMesh = design.grow().mesh

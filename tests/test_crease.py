@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from hypothesis import given
+from strategies import patches
 
 from fab.crease import crease_pattern, fold_angles_deg
 from fab.development import develop
 from fab.inspection import measure_pattern
 from solver import InvalidValue, Miura
 from solver.mesh import edges_of
-from strategies import patches
 
 
 def pattern_of(mesh, scale=1.0):
@@ -35,9 +35,10 @@ def test_miura_angles_are_those_of_the_closed_form():
     gamma, fold = np.radians(60), np.radians(45)
     pattern = pattern_of(Miura(sector_angle=gamma, fold=fold).grow().mesh)
     inner = np.abs(pattern.edges_foldAngle[pattern.edges_faces[:, 1] >= 0])
-    # faces lean by `fold` on both sides of a zigzag; the creases between rows follow (Schenk, Guest)
-    across = 2 * np.degrees(np.arcsin(np.sin(fold) * np.cos(gamma)
-                                      / np.sqrt(1 - (np.sin(fold) * np.sin(gamma)) ** 2)))
+    # faces lean by `fold` on both sides of a zigzag; creases between rows follow (Schenk, Guest)
+    across = 2 * np.degrees(
+        np.arcsin(np.sin(fold) * np.cos(gamma) / np.sqrt(1 - (np.sin(fold) * np.sin(gamma)) ** 2))
+    )
     assert sorted(set(inner.round(8))) == pytest.approx(sorted([across, 90.0]), abs=1e-7)
 
 
@@ -60,7 +61,7 @@ def test_letters_follow_signs_and_borders_are_flat(mesh):
 
 @given(patches())
 def test_every_interior_vertex_satisfies_maekawa_or_is_nowhere_flat(mesh):
-    """A developable degree-4 vertex that folds has three creases of one letter and one of the other."""
+    """A degree-4 vertex that folds has three creases of one letter and one of the other."""
     pattern = pattern_of(mesh)
     sign = np.sign(pattern.edges_foldAngle)
     degree = np.zeros(len(mesh.vertices_coords))

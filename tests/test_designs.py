@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from helpers import published
+
 from solver import Crumpled, CurvedFold, InvalidValue, Miura, developability, planarity, seeds
 from solver.vectors import norm
 
@@ -89,6 +89,9 @@ def test_crumpled_creases_shrink_with_the_power():
         (Crumpled(seed_deviation=np.nan), "seed_deviation"),
         (Crumpled(length_limit=0.0), "length_limit"),
         (Crumpled(random_seed=-1), "random_seed"),
+        (Crumpled(columns=10**30), "columns"),
+        (CurvedFold(strips=900_000), "quads to grow"),
+        (Miura(zigzag_length=1e300), "zigzag_length"),
     ],
 )
 def test_parameters_out_of_bounds_are_named(design, name):

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import patches
 
 from solver import Front, InvalidValue, QuadMesh, Side
 from solver.vectors import angle_between, dot
-from strategies import patches
 
 ZIGZAG = np.array([[0.0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 1, 0], [4, 0, 0]])
+# as the row behind the zigzag: the quad at its first edge is reflex there
+DARTS = np.array([[4.0, -1, 0], [2, 3, 0], [2, 0, 1], [3, 1, 1], [4, 0, 1]])
+LIFTED = ZIGZAG + np.array([0.0, 1.0, 1.0])
 
 
 def test_beta_and_k_of_a_zigzag_on_a_curve():
@@ -63,7 +66,9 @@ def test_rays_meet_at_their_length_bounds(mesh, flap):
     x, r = front.vertices_coords, rays.directions
     expected = np.full(len(x), np.inf)
     for i in range(len(x) - 1):
-        (s, t), *_ = np.linalg.lstsq(np.column_stack([r[i], -r[i + 1]]), x[i + 1] - x[i], rcond=None)
+        (s, t), *_ = np.linalg.lstsq(
+            np.column_stack([r[i], -r[i + 1]]), x[i + 1] - x[i], rcond=None
+        )
         gap = np.linalg.norm(x[i] + s * r[i] - x[i + 1] - t * r[i + 1])
         if s > 0 and t > 0 and gap < 1e-6:
             expected[i] = min(expected[i], s)
@@ -91,6 +96,7 @@ def test_a_front_of_three_vertices_has_one_flap_angle():
         (lambda: Front.on_curve(ZIGZAG * [1, 0, 0], 3.0), r"beta\[0\]"),
         (lambda: Front.on_curve(ZIGZAG[[0, 1, 1, 2]], 3.0), "front edge 1"),
         (lambda: Front.on_curve(ZIGZAG * np.nan, 3.0), "front edge 0"),
+        (lambda: Front.between(ZIGZAG, ZIGZAG), "crease behind front vertex 1"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=0), "1 to 3"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=4), "1 to 3"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(np.inf), "finite"),
@@ -99,10 +105,13 @@ def test_a_front_of_three_vertices_has_one_flap_angle():
         (lambda: Front.of(QuadMesh.from_rows(ZIGZAG[None]), Side.TOP), "be given for a curve"),
         (
             lambda: Front.of(
-                QuadMesh.from_rows(np.stack([ZIGZAG, ZIGZAG + [0, 0, 1.0]])), Side.TOP, 3.0
+                QuadMesh.from_rows(np.stack([ZIGZAG, LIFTED])),
+                Side.TOP,
+                3.0,
             ),
             "left out",
         ),
+        (lambda: Front.of(QuadMesh.from_rows(np.stack([DARTS, ZIGZAG])), Side.TOP), "reflex"),
     ],
 )
 def test_misuse_is_refused(call, match):

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from helpers import published
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from helpers import published
 from solver import (
     CurvedFold,
     Front,

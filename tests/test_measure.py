@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import patches
 
 from solver.measure import angle_excess, developability, isometry, planarity, sector_angles
-from strategies import patches
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
 QUAD = np.array([[0, 1, 2, 3]])
@@ -54,8 +54,18 @@ def test_the_corner_of_a_cube_misses_a_right_angle():
 @given(patches())
 def test_the_sectors_of_a_planar_quad_add_up_to_a_full_turn(mesh):
     angles = sector_angles(mesh.vertices_coords, mesh.faces_vertices)
-    convex = angles.max(axis=1) < 3.1
-    assert angles.sum(axis=1)[convex] == pytest.approx(2 * np.pi, abs=1e-9)
+    assert angles.sum(axis=1) == pytest.approx(2 * np.pi, abs=1e-9)
+
+
+def test_reflex_corners_count_as_such():
+    dart = np.array([[0.0, 0, 0], [4, 0, 0], [1, 1, 0], [0, 4, 0]])
+    angles = np.degrees(sector_angles(dart, QUAD)[0])
+    assert angles.sum() == pytest.approx(360.0, abs=1e-12)
+    assert angles[2] == pytest.approx(360 - 90 - 2 * np.degrees(np.arctan2(1, 3)), abs=1e-12)
+    # a flat sheet of two quads, one of them a dart around an inner vertex
+    flat = np.array([[0.0, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [3, 2, 0], [8, 9, 0]])
+    faces = np.array([[0, 1, 4, 3], [1, 2, 3, 4]])
+    assert angle_excess(flat, faces, np.arange(6) == 4)[4] == pytest.approx(0, abs=1e-14)
 
 
 @given(patches())

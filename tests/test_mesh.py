@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from hypothesis import given
+from strategies import patches
 
 from solver import InvalidValue, QuadMesh, Side
 from solver.mesh import boundary_loops, edges_of, interior_vertices
-from strategies import patches
 
 
 def flat_patch(rows: int, columns: int) -> QuadMesh:
@@ -46,7 +46,12 @@ def test_fronts_run_with_new_growth_on_their_left(side, front):
 @pytest.mark.parametrize("side", list(Side))
 def test_growth_on_any_side_keeps_old_numbers_and_winding(side):
     mesh = flat_patch(3, 3)
-    out = {Side.TOP: [0, 1, 0], Side.BOTTOM: [0, -1, 0], Side.LEFT: [-1, 0, 0], Side.RIGHT: [1, 0, 0]}
+    out = {
+        Side.TOP: [0, 1, 0],
+        Side.BOTTOM: [0, -1, 0],
+        Side.LEFT: [-1, 0, 0],
+        Side.RIGHT: [1, 0, 0],
+    }
     row = mesh.vertices_coords[mesh.front_vertices(side)]
     grown = mesh.extended(side, np.stack([row + out[side], row + 2 * np.array(out[side])]))
     assert (grown.vertices_coords[:9] == mesh.vertices_coords).all()
@@ -112,7 +117,9 @@ def test_a_boundary_that_touches_itself_is_refused():
         boundary_loops(edges_of(kept.ravel(), np.arange(3) * 4))
 
 
-@pytest.mark.parametrize("rows", [np.zeros((2, 2, 3)), np.zeros((2, 3)), np.full((2, 3, 3), np.nan)])
+@pytest.mark.parametrize(
+    "rows", [np.zeros((2, 2, 3)), np.zeros((2, 3)), np.full((2, 3, 3), np.nan)]
+)
 def test_bad_rows_are_refused(rows):
     with pytest.raises(InvalidValue):
         QuadMesh.from_rows(rows)

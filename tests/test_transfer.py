@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import patches, vertices
 
 from solver import CurvedFold, Front, Side
 from solver.transfer import coupling, half_angles, prefix_products, transform
 from solver.vertex import flap_angle_of
-from strategies import patches, vertices
 
 
 def circle_distance(x, y):
@@ -63,8 +63,12 @@ def test_a_flap_angle_given_anywhere_fixes_the_same_strip(mesh, first, data):
 
 
 def test_long_chains_stay_normalised():
-    front = Front.of(CurvedFold(columns=2000, step=0.001, zigzag=0.002, strips=1,
-                                crease_length=0.001).grow().mesh, Side.TOP)
+    front = Front.of(
+        CurvedFold(columns=2000, step=0.001, zigzag=0.002, strips=1, crease_length=0.001)
+        .grow()
+        .mesh,
+        Side.TOP,
+    )
     s, c = half_angles(front.couplings, front.deltas, 2.5)
     assert np.abs(np.hypot(s, c) - 1).max() < 1e-15 * 4
     assert np.isfinite(prefix_products(front.couplings, front.deltas)).all()

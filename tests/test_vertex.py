@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from strategies import frames, vertices
 
 from solver.errors import InvalidValue, OrigamiError
 from solver.transfer import coupling
@@ -15,7 +16,6 @@ from solver.vertex import (
     sector_angles,
     self_intersects,
 )
-from strategies import frames, vertices
 
 
 def one(x: float) -> np.ndarray:
@@ -67,7 +67,7 @@ def test_sector_angles_of_a_right_angled_front(flap_deg, theta1_deg):
     [(0.0, 3.0), (np.pi, 3.2), (1.0, 1.0), (1.0, 0.5), (1.0, 2 * np.pi - 1.0), (np.nan, 3.0)],
 )
 def test_angles_outside_their_interval_are_refused_with_the_bound(beta, k):
-    with pytest.raises(InvalidValue, match=r"lie between .* rad \(.* deg\)") as caught:
+    with pytest.raises(InvalidValue, match=r"lie strictly between .* rad \(.* deg\)") as caught:
         sector_angles(one(1.0), one(beta), one(k))
     assert isinstance(caught.value, OrigamiError)
     assert isinstance(caught.value, ValueError)

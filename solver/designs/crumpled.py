@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
-from solver.errors import InvalidValue, require_at_least, require_positive
+from solver.errors import InvalidValue, require_count, require_length
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.transfer import prefix_products, transform
@@ -46,14 +46,17 @@ class Crumpled:
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
-        require_at_least("strips", self.strips, 2, "The seed itself is the first strip.")
-        require_at_least("random_seed", self.random_seed, 0, "Any whole number from 0 will do.")
-        require_positive("length_limit", self.length_limit)
+        require_count("strips", self.strips, 2, "The seed itself is the first strip.")
+        require_count("random_seed", self.random_seed, 0, "Any whole number in this range will do.")
+        require_length("length_limit", self.length_limit)
+        require_count("columns", self.columns, 2, "A strip needs an interior crease.")
         for name, value in (("power", self.power), ("seed_deviation", self.seed_deviation)):
-            if not (np.isfinite(value) and value >= 0):
-                raise InvalidValue(name, value, "be finite and at least 0", "Try the default.")
+            if not 0 <= value <= 20:
+                raise InvalidValue(name, value, "lie from 0 to 20", "Try the default.")
+        if self.random_seed < 0:
+            raise InvalidValue("random_seed", self.random_seed, "be at least 0", "Any will do.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
-        lengths = _positive_normal(random, self.columns + 1, self.seed_deviation)
+        lengths = _positive_normal(random, self.columns + 1, abs(self.seed_deviation))
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)
 
         def choose(front: Front, _strip: int) -> Strip:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
-from solver.errors import InvalidValue, require_at_least, require_positive
+from solver.errors import require_count, require_length
 from solver.front import Front
 from solver.growth import Growth, Strip, grow
 
@@ -40,13 +40,10 @@ class CurvedFold:
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
-        require_at_least("columns", self.columns, 2, "A strip needs an interior crease.")
-        require_positive("step", self.step)
-        require_positive("crease_length", self.crease_length)
-        if not (np.isfinite(self.zigzag) and self.zigzag != 0):
-            raise InvalidValue(
-                "zigzag", self.zigzag, "be finite and not 0", "A zigzag gives the seed its folds."
-            )
+        require_count("columns", self.columns, 2, "A strip needs an interior crease.")
+        require_length("step", self.step)
+        require_length("crease_length", self.crease_length)
+        require_length("zigzag", abs(self.zigzag))
         i = np.arange(self.columns + 1)
         x = -1 + i * self.step
         y = x**2 + self.zigzag * (-1.0) ** i

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
-from solver.errors import require_at_least
+from solver.errors import require_count
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import FloatArray
@@ -38,24 +38,21 @@ class Miura:
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
-        require_at_least("rows", self.rows, 2, "One strip alone has no interior vertex.")
+        require_count("rows", self.rows, 2, "One strip alone has no interior vertex.")
         seed = seeds.miura(
             self.columns, self.sector_angle, self.fold, self.zigzag_length, self.crease_length
         )
         lower, upper = seed.vertices_coords[seed.grid]
         climb = upper[1] - lower[1]
         middle = self.columns // 2
+        a, b = upper[middle - 1] - upper[middle], upper[middle + 1] - upper[middle]
+        planes = 0.0, float(climb[2])
+        flap_angles = [float(flap_angle_of(a, b, climb * [1.0, 1.0, up])) for up in (-1.0, 1.0)]
 
-        def choose(front: Front, strip: int) -> Strip:
-            descends = strip % 2 == 0
-            plane = 0.0 if descends else climb[2]
-            crease = climb * np.array([1.0, 1.0, -1.0 if descends else 1.0])
-            u = front.edges_direction
-            flap_angle = flap_angle_of(-u[middle - 1], u[middle], crease)
-
+        def choose(_front: Front, strip: int) -> Strip:
             def to_plane(rays: Rays) -> FloatArray:
-                return (plane - rays.vertices_coords[:, 2]) / rays.directions[:, 2]
+                return (planes[strip % 2] - rays.vertices_coords[:, 2]) / rays.directions[:, 2]
 
-            return Strip(float(flap_angle), to_plane, at=middle)
+            return Strip(flap_angles[strip % 2], to_plane, at=middle)
 
         return grow(seed, self.rows - 1, choose, progress=progress)

@@ -1,0 +1,40 @@
+"""How are polygons that lie one after another in an array walked, measured and told convex?
+
+Ring i has the corners offsets[i]:offsets[i + 1]; offsets has one entry more than there are rings.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["are_convex", "next_corner", "ring_areas"]
+
+
+def next_corner(offsets: IntArray) -> IntArray:
+    """Index of the following corner in the same ring, for all rings' corners."""
+    following = np.arange(offsets[-1]) + 1
+    following[offsets[1:] - 1] = offsets[:-1]
+    return following
+
+
+def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:
+    """Signed areas, positive where counterclockwise, of plane rings, shape (n,)."""
+    if len(offsets) == 1:
+        return np.empty(0)
+    local = corners - np.repeat(corners[offsets[:-1]], np.diff(offsets), axis=0)
+    following = local[next_corner(offsets)]
+    twice = local[:, 0] * following[:, 1] - local[:, 1] * following[:, 0]
+    out: FloatArray = np.add.reduceat(twice, offsets[:-1]) / 2
+    return out
+
+
+def are_convex(corners: FloatArray, offsets: IntArray) -> BoolArray:
+    """Whether each counterclockwise ring nowhere turns right, up to rounding, shape (n,)."""
+    following = next_corner(offsets)
+    side = corners[following] - corners
+    turn = side[:, 0] * side[following, 1] - side[:, 1] * side[following, 0]
+    size = np.hypot(*side.T) * np.hypot(*side[following].T)
+    out: BoolArray = np.logical_and.reduceat(turn >= -1e-9 * size, offsets[:-1])
+    return out

@@ -1,0 +1,185 @@
+"""The command line: answers, exit codes, what is imported, and README's own words."""
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from helpers import ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
+
+from fab.cli import main
+
+
+def names_in(folder) -> list[str]:
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def test_run_writes_what_it_says(here):
+    result = run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "dxf,SVG,fold")
+    assert result.exit_code == 0, result.output
+    names = ["miura.dxf", "miura.fold", "miura.svg", "report.json"]
+    assert names_in("out") == names
+    assert all(name in result.output for name in names)
+
+
+def test_dry_run_writes_nothing(here):
+    result = run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "dxf", "--dry-run")
+    assert result.exit_code == 0
+    assert "would write" in result.output
+    assert names_in(".") == []
+
+
+def test_errors_in_the_report_give_exit_code_1_and_all_files(here):
+    result = run(
+        "run", TEMPLATES / "curved_fold.toml", "--set", "design.k_deg=187.2", "--only", "dxf"
+    )
+    assert result.exit_code == 1
+    assert "error: development-overlaps" in result.output
+    assert names_in(".") == ["curved_fold.dxf", "report.json"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "missing.toml"],
+        ["run", TEMPLATES / "miura.toml", "--only", "dfx"],
+        ["run", TEMPLATES / "miura.toml", "--only", ""],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.colums=4"],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.fold_deg=nan"],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.fold_deg=90"],
+        ["run", TEMPLATES / "miura.toml", "--set", "name=../up"],
+        ["run", TEMPLATES / "miura.toml", "--out", "/dev/null/below"],
+        ["run", TEMPLATES / "crumpled.toml", "--set", "design.k_deg=20.0"],
+        ["run", TEMPLATES / "curved_fold.toml", "--set", "design.k_deg=1.0"],
+        ["run"],
+        ["new", "nothing"],
+        ["check", "missing.fold"],
+        ["check", TEMPLATES / "miura.toml"],
+        ["unknown"],
+    ],
+)
+def test_bad_input_gives_exit_code_2_and_writes_nothing(here, arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2, result.output
+    assert len(result.output.strip()) > 20
+    assert "Traceback" not in result.output
+    assert names_in(".") == []
+
+
+def test_templates_are_listed_and_copied(here):
+    result = run("templates")
+    assert result.exit_code == 0
+    lines = result.output.strip().splitlines()
+    assert [line.split()[0] for line in lines] == TEMPLATE_NAMES
+    assert all(len(line.split()) > 4 for line in lines)
+    assert run("new", "miura").exit_code == 0
+    assert run("new", "miura", "--out", "mine.toml").exit_code == 0
+    assert names_in(".") == ["mine.toml", "miura.toml"]
+    assert (here / "mine.toml").read_bytes() == (TEMPLATES / "miura.toml").read_bytes()
+    again = run("new", "miura")
+    assert again.exit_code == 2
+    assert "exists already" in again.output
+    assert "Did you mean miura" in run("new", "mura").output
+
+
+def test_check_measures_a_fold_file(here):
+    (here / "good.fold").write_bytes(made_template("miura").files["miura.fold"])
+    result = run("check", "good.fold")
+    assert result.exit_code == 0, result.output
+    assert "M:76 V:66 F:0 B:36" in result.output
+    document = json.loads((here / "good.fold").read_text())
+    document["file_frames"][0]["vertices_coords"][20][2] += 0.5
+    (here / "bent.fold").write_text(json.dumps(document))
+    result = run("check", "bent.fold")
+    assert result.exit_code == 1
+    assert "not-planar" in result.output
+    assert run("check", "bent.fold", "--tolerance", "0").exit_code == 2
+    del document["file_frames"]
+    (here / "flat.fold").write_text(json.dumps(document))
+    result = run("check", "flat.fold")
+    assert result.exit_code == 2
+    assert "no folded frame" in result.output
+
+
+def test_the_laser_path_imports_no_cad_kernel(here):
+    code = (
+        "import sys; from fab.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit as e: assert e.code == 0, e.code\n"
+        "heavy = {'build123d', 'OCP', 'manifold3d', 'trimesh', 'matplotlib'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    job = str(TEMPLATES / "curved_fold.toml")
+    subprocess.run(
+        [sys.executable, "-c", code, "run", job, "--only", "dxf,fold,svg", "--out", "out"],
+        check=True,
+    )
+    assert len(names_in("out")) == 4
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("delay_s", [0.8, 2.5, 4.0])
+def test_ctrl_c_leaves_no_half_file(here, delay_s):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fab", "run", str(TEMPLATES / "crumpled.toml"), "--out", "out"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    time.sleep(delay_s)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode != 0
+    assert b"Traceback" not in errors
+    assert not (here / "out").exists() or not names_in("out")
+
+
+def test_progress_is_silent_in_a_pipe(here):
+    done = subprocess.run(
+        [sys.executable, "-m", "fab", "run", str(TEMPLATES / "miura.toml"), "--only", "svg"],
+        capture_output=True,
+        check=True,
+    )
+    assert done.stderr == b""
+    assert b"\x1b" not in done.stdout
+
+
+def test_python_of_the_readme_runs(here):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert len(blocks) == 1
+    done = subprocess.run(
+        [sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=True
+    )
+    assert "grown 360 faces" in done.stdout
+    assert names_in("out") == ["report.json", "sheet.dxf", "sheet.fold"]
+
+
+def test_commands_of_the_readme_exist():
+    text = (ROOT / "README.md").read_text()
+    for command in set(re.findall(r"^quadfold (\w+)", text, re.MULTILINE)):
+        assert run(command, "--help").exit_code == 0, command
+    assert run("--version").exit_code == 0
+
+
+def test_the_job_of_the_readme_is_a_job():
+    import tomllib
+
+    from fab.job import parse_job
+
+    (block,) = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert parse_job(tomllib.loads(block)).name == "miura"

@@ -1,0 +1,194 @@
+"""FOLD files: round trip, frames, and every refusal."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from strategies import patches
+
+from fab.crease import crease_pattern
+from fab.development import develop
+from fab.errors import InvalidFile
+from fab.fold_file import fold_bytes, read_fold
+from fab.inspection import inspect_angles
+from solver import Miura
+
+
+def document_of(pattern) -> dict:
+    return json.loads(fold_bytes(pattern, "sheet"))
+
+
+@pytest.fixture
+def pattern():
+    mesh = Miura(columns=3, rows=3).grow().mesh
+    return crease_pattern(mesh, develop(mesh), 10.0)
+
+
+@given(mesh=patches())
+def test_reading_gives_the_same_arrays_back(tmp_path_factory, mesh):
+    pattern = crease_pattern(mesh, develop(mesh), 10.0)
+    before = [array.copy() for array in vars(pattern).values() if isinstance(array, np.ndarray)]
+    path = tmp_path_factory.mktemp("fold") / "sheet.fold"
+    path.write_bytes(fold_bytes(pattern, "sheet"))
+    back = read_fold(path)
+    for name in pattern.__dataclass_fields__:
+        assert np.array_equal(getattr(back, name), getattr(pattern, name)), name
+    after = [array for array in vars(pattern).values() if isinstance(array, np.ndarray)]
+    assert all(np.array_equal(a, b) for a, b in zip(before, after, strict=False))
+
+
+def test_the_key_frame_is_flat_and_complete(pattern):
+    document = document_of(pattern)
+    assert document["file_spec"] == 1.2
+    assert document["frame_classes"] == ["creasePattern"]
+    assert document["frame_unit"] == "mm"
+    assert all(len(p) == 3 and p[2] == 0 for p in document["vertices_coords"])
+    assert set(document["edges_assignment"]) <= set("MVB")
+    assert all(isinstance(a, float) for a in document["edges_foldAngle"])
+    (folded,) = document["file_frames"]
+    assert folded["frame_classes"] == ["foldedForm"]
+    assert folded["frame_inherit"] is True
+    assert np.ptp([p[2] for p in folded["vertices_coords"]]) > 1
+    pairs = [tuple(sorted(e)) for e in document["edges_vertices"]]
+    assert len(set(pairs)) == len(pairs)
+
+
+def test_angles_come_from_the_folded_form_where_none_are_stored(tmp_path, pattern):
+    document = document_of(pattern)
+    del document["edges_foldAngle"], document["edges_vertices"], document["edges_assignment"]
+    path = tmp_path / "bare.fold"
+    path.write_text(json.dumps(document))
+    back = read_fold(path)
+    assert back.edges_foldAngle == pytest.approx(pattern.edges_foldAngle, abs=1e-9)
+    assert (back.edges_assignment == pattern.edges_assignment).all()
+
+
+def test_frames_may_stand_in_any_order_and_coordinates_may_be_plane(tmp_path, pattern):
+    document = document_of(pattern)
+    flat = {k: document.pop(k) for k in list(document) if not k.startswith("file_")}
+    flat["vertices_coords"] = [p[:2] for p in flat["vertices_coords"]]
+    folded = {**flat, **document["file_frames"][0], "frame_inherit": False}
+    folded.pop("frame_parent")
+    path = tmp_path / "turned.fold"
+    path.write_text(json.dumps({**document, **folded, "file_frames": [flat]}))
+    back = read_fold(path)
+    assert (back.vertices_coords == pattern.vertices_coords).all()
+    assert (back.folded_coords == pattern.folded_coords).all()
+
+
+def test_faces_of_any_size_are_read(tmp_path):
+    square = {
+        "vertices_coords": [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0.5], [2, 1.5]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [1, 4], [4, 5], [5, 2]],
+        "edges_foldAngle": [0, 90, 0, 0, None, 0, 0],
+        "faces_vertices": [[0, 1, 2, 3], [1, 4, 5, 2]],
+    }
+    triangle = {**square, "faces_vertices": [[0, 1, 2, 3], [1, 4, 2], [4, 5, 2]]}
+    triangle["edges_vertices"] = [*square["edges_vertices"], [4, 2]]
+    triangle["edges_foldAngle"] = [*square["edges_foldAngle"], -30]
+    path = tmp_path / "mixed.fold"
+    path.write_text(json.dumps(triangle))
+    pattern = read_fold(path)
+    assert sorted(n.shape for _, n in pattern.faces_by_size()) == [(1, 4), (2, 3)]
+    assert pattern.counts() == {"M": 1, "V": 1, "F": 0, "B": 6}
+    assert pattern.folded_coords is None
+
+
+def test_clockwise_faces_are_turned_around(tmp_path, pattern):
+    document = document_of(pattern)
+    document["faces_vertices"] = [face[::-1] for face in document["faces_vertices"]]
+    path = tmp_path / "clockwise.fold"
+    path.write_text(json.dumps(document))
+    assert read_fold(path).counts() == pattern.counts()
+    assert inspect_angles(read_fold(path)) == []
+    del document["edges_foldAngle"]
+    path.write_text(json.dumps(document))
+    assert read_fold(path).counts() == pattern.counts()
+    document["faces_vertices"][0].reverse()
+    path.write_text(json.dumps(document))
+    with pytest.raises(InvalidFile, match="counterclockwise"):
+        read_fold(path)
+
+
+def test_null_angles_are_those_of_the_letters(tmp_path, pattern):
+    document = document_of(pattern)
+    document["edges_foldAngle"] = [None] * len(document["edges_vertices"])
+    path = tmp_path / "null.fold"
+    path.write_text(json.dumps(document))
+    assert read_fold(path).counts() == pattern.counts()
+    assert set(np.abs(read_fold(path).edges_foldAngle)) == {0.0, 180.0}
+
+
+def changed(pattern, **changes):
+    document = document_of(pattern)
+    for key, value in changes.items():
+        if value is None:
+            document.pop(key)
+        else:
+            document[key] = value
+    return json.dumps(document)
+
+
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"faces_vertices": None}, "faces_vertices is missing"),
+        ({"faces_vertices": []}, "at least one face"),
+        ({"faces_vertices": [[0, 1]]}, "at least 3 corners"),
+        ({"faces_vertices": [[0, 1, 99]]}, "vertex 99; vertices run from 0 to 15"),
+        ({"faces_vertices": [[0, 1, -1]]}, "vertex -1"),
+        ({"faces_vertices": [[0, 1, 1.5]]}, "vertex 1.5"),
+        ({"faces_vertices": [[0, 1, 5, 1]]}, "passes a vertex twice"),
+        ({"faces_vertices": [[0, 1, 5], [0, 1, 5]]}, "wound"),
+        ({"vertices_coords": "none"}, "must be a list"),
+        ({"vertices_coords": []}, "at least 3 points"),
+        ({"vertices_coords": [[0, 0], [1]]}, "alike in length"),
+        ({"vertices_coords": [["0", "0"]] * 3}, "must be numbers"),
+        ({"vertices_coords": [[0, 10**400]] * 3}, "must be numbers"),
+        ({"frame_classes": 3}, "frame_classes of frame 0 must be a list"),
+        ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [0, NAN, 0]]}, "vertex 2 .* not finite"),
+        ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [0, 1, 5]]}, "no flat frame"),
+        ({"edges_foldAngle": [0.0]}, "1 entries of edges_foldAngle for 24 edges"),
+        ({"edges_foldAngle": [270.0] + [0.0] * 23}, "-180 to 180"),
+        ({"edges_foldAngle": ["x"] + [0.0] * 23}, "-180 to 180"),
+        ({"edges_foldAngle": [NAN] + [0.0] * 23}, "-180 to 180"),
+        ({"edges_vertices": [[0, 1, 2]] * 24}, "two vertex numbers"),
+        ({"edges_vertices": [["a", 1]] * 24}, "two vertex numbers"),
+        ({"edges_assignment": ["M"]}, "1 edges_assignment for 24 edges"),
+        ({"edges_vertices": [[0, 1]] * 24}, "lacks the side"),
+        ({"file_frames": [3]}, "frame 1 must be an object"),
+        ({"file_frames": [{"frame_inherit": True, "frame_parent": 7}]}, "frame_parent 7"),
+        ({"file_frames": [{"frame_inherit": True, "frame_parent": 1}]}, "frame_parent 1"),
+        ({"file_frames": [], "edges_foldAngle": None}, "neither edges_foldAngle nor a folded"),
+        (
+            {
+                "file_frames": [
+                    {"frame_classes": ["foldedForm"], "vertices_coords": [[0, 0, 0]] * 3}
+                ]
+            },
+            "the folded form has 3 vertices",
+        ),
+    ],
+)
+def test_bad_files_are_refused_with_the_place(tmp_path, pattern, changes, match):
+    path = tmp_path / "bad.fold"
+    path.write_text(changed(pattern, **changes))
+    with pytest.raises(InvalidFile, match=match) as caught:
+        read_fold(path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[1]", '{"a": ' + "9" * 5000 + "}", "\x00\x01", "nothing", "[" * 5000]
+)
+def test_what_is_no_fold_file_is_refused(tmp_path, text):
+    path = tmp_path / "no.fold"
+    path.write_text(text)
+    with pytest.raises(InvalidFile):
+        read_fold(path)
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        read_fold(tmp_path / "missing.fold")

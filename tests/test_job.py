@@ -1,0 +1,308 @@
+"""Jobs: templates, reports, bad input, and writing that loses nothing."""
+
+import hashlib
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from helpers import TEMPLATE_NAMES, TEMPLATES, made_template
+
+from fab.errors import InvalidJob, Severity
+from fab.job import Format, Job, load_job, make, parse_job, write
+from solver import DESIGNS, InvalidValue
+
+SMALL = {
+    "name": "small",
+    "design": {"kind": "miura", "columns": 3, "rows": 2},
+    "sheet": {"width_mm": 60.0},
+}
+
+
+def small(**changes):
+    document = {key: dict(v) if isinstance(v, dict) else v for key, v in SMALL.items()}
+    for key, value in changes.items():
+        table, _, inner = key.partition("__")
+        if inner:
+            document.setdefault(table, {})[inner] = value
+        elif value is None:
+            document.pop(table)
+        else:
+            document[table] = value
+    return document
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+def test_every_template_is_exact_and_without_errors(name):
+    made = made_template(name)
+    report = made.report
+    assert made.within_tolerance, made.findings
+    assert report["planarity_max"] <= 1e-12
+    assert report["developability_max_rad"] <= 1e-12
+    assert report["isometry_max_rel"] <= 1e-11
+    assert sorted(made.files) == sorted([*(f"{name}.{f}" for f in Format), "report.json"])
+    assert json.loads(made.files["report.json"])["job"]["name"] == name
+    assert report["solids"]["bodies"] == 1
+    assert report["solids"]["overlap_max_mm3"] <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "faces", "creases", "flat_mm", "solids"),
+    [
+        ("curved_fold", 1000, (940, 950, 220), (380.0, 194.717699), 2890),
+        ("miura", 80, (76, 66, 36), (200.0, 196.299091), 222),
+        ("crumpled", 800, (750, 790, 120), (390.0, 169.438234), 2326),
+    ],
+)
+def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
+    report = made_template(name).report
+    assert report["counts"]["faces"] == faces
+    assert tuple(report["counts"]["creases"][letter] for letter in "MVB") == creases
+    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, abs=1e-3)
+    assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
+
+
+def test_there_is_a_template_for_every_design():
+    kinds = {load_job(TEMPLATES / f"{name}.toml").design.kind for name in TEMPLATE_NAMES}
+    assert kinds == set(DESIGNS)
+    assert all(load_job(TEMPLATES / f"{n}.toml").name == n for n in TEMPLATE_NAMES)
+
+
+def test_designs_of_the_job_are_those_of_the_solver_by_default():
+    for kind, cls in DESIGNS.items():
+        job = parse_job({**SMALL, "design": {"kind": kind}})
+        design = job.design.design()
+        for name in cls.__dataclass_fields__:
+            assert getattr(design, name) == pytest.approx(getattr(cls(), name), rel=1e-11)
+
+
+def test_the_report_describes_the_files():
+    made = make(parse_job(SMALL))
+    for output in made.report["outputs"]:
+        data = made.files[output["file"]]
+        assert output["bytes"] == len(data)
+        assert output["sha256"] == hashlib.sha256(data).hexdigest()
+    assert set(made.report["bounding_box_mm"]) == {"flat", "folded", "print"}
+    assert made.report["bounding_box_mm"]["flat"][0] == pytest.approx(60.0)
+    assert made.report["bounding_box_mm"]["print"][2] == pytest.approx(1.6)
+    assert set(made.report["seconds"]) >= {"grow", "develop", "dxf", "step", "png"}
+    assert made.report["job"]["panels"]["thickness_mm"] == 1.6
+    assert made.report["growth"]["status"] == "grown"
+
+
+def test_sheet_scale_is_width_or_factor():
+    by_factor = make(parse_job(small(sheet={"scale_mm_per_unit": 10.0})), [Format.SVG])
+    box = by_factor.report["bounding_box_mm"]["flat"]
+    assert box[0] == pytest.approx(10 * 3 * np.sin(np.radians(60)), abs=1e-6)
+
+
+def test_the_same_job_gives_the_same_bytes_in_another_process(tmp_path):
+    """All formats, dates and process-wide counters included."""
+    code = (
+        "import sys, pathlib; from fab.job import load_job, make, write\n"
+        "write(make(load_job(pathlib.Path(sys.argv[1]))), pathlib.Path(sys.argv[2]))"
+    )
+    for folder in ("one", "two"):
+        subprocess.run(
+            [sys.executable, "-c", code, str(TEMPLATES / "miura.toml"), str(tmp_path / folder)],
+            check=True,
+        )
+    made = made_template("miura")
+    for name, data in made.files.items():
+        one, two = ((tmp_path / f / name).read_bytes() for f in ("one", "two"))
+        if name == "report.json":
+            one, two, data = (
+                {k: v for k, v in json.loads(d).items() if k != "seconds"} for d in (one, two, data)
+            )
+        assert one == two == data, name
+
+
+def test_published_parameters_overlap_and_the_report_says_so():
+    document = {"name": "f4d", "design": {"kind": "curved_fold"}, "sheet": {"width_mm": 300.0}}
+    made = make(parse_job(document), [Format.DXF])
+    assert not made.within_tolerance
+    (finding,) = made.findings
+    assert finding.code == "development-overlaps"
+    assert finding.severity == Severity.ERROR
+    assert finding.panels
+
+
+def test_growth_that_stops_is_an_error_with_advice():
+    design = {"kind": "curved_fold", "columns": 10, "step": 0.2, "k_deg": 183.0, "strips": 60}
+    document = small(design={**design, "flap_angle_deg": 150.0})
+    made = make(parse_job(document), [Format.FOLD])
+    assert made.report["growth"]["status"] != "grown"
+    assert made.report["growth"]["strips"] == 13
+    assert made.report["counts"]["faces"] == 130
+    assert made.findings[0].code == "growth-stopped"
+    assert made.report["growth"]["advice"] in made.findings[0].text
+    assert not made.within_tolerance
+
+
+@pytest.mark.parametrize(
+    ("document", "match"),
+    [
+        (small(colour="red"), "colour is not a known key"),
+        (small(panel={"thickness_mm": 2.0}), "panel is not a known key. Did you mean panels?"),
+        (small(design__colums=4), "design.colums is not a known key. Did you mean design.columns?"),
+        (small(design__fold=0.5), "Did you mean design.fold_deg?"),
+        (small(panels__thicknes_mm=2.0), "Did you mean panels.thickness_mm?"),
+        (small(perforation={"mountain": {"cut_mm": 1.0, "gap": 1.0}}), "mountain.gap_mm"),
+        (small(design__kind="miuri"), "must be one of crumpled, curved_fold, miura. Did you mean"),
+        (small(design={"columns": 3}), "design.kind"),
+        (small(design=3), "design = 3 must be a table"),
+        (small(row=3), "row is not a known key. Did you mean design.rows"),
+        (small(thickness_mm=3), "Did you mean panels.thickness_mm"),
+        (small(sheet=[1]), "sheet = .1. must be a table"),
+        (small(perforation__margin_mm=1e17), "less than or equal to 1000"),
+        (small(name=None), "name is missing"),
+        (small(sheet=None), "sheet is missing"),
+        (small(name="../up"), "name = '../up'"),
+        (small(name="a/b"), "letters, digits"),
+        (small(name=".hidden"), "letters, digits"),
+        (small(name=""), "letters, digits"),
+        (small(name="x" * 101), "1 to 100"),
+        (small(name="a\nb"), "letters, digits"),
+        (small(name="good\n"), "letters, digits"),
+        (small(name=7), "name = 7"),
+        (small(sheet={"width_mm": -1.0}), "sheet.width_mm = -1.0 .* greater than 0"),
+        (small(sheet={"width_mm": float("nan")}), "sheet.width_mm = nan .*finite"),
+        (small(sheet={"width_mm": float("inf")}), "sheet.width_mm = inf .*finite"),
+        (small(sheet={"width_mm": "60"}), "sheet.width_mm = '60'"),
+        (small(sheet={"width_mm": True}), "sheet.width_mm = True"),
+        (small(sheet={}), "width_mm = None and scale_mm_per_unit = None, give exactly one"),
+        (small(sheet={"width_mm": 1.0, "scale_mm_per_unit": 1.0}), "exactly one"),
+        (small(design__columns=3.5), "design.columns = 3.5"),
+        (
+            small(panels__thickness_mm=0.0),
+            "panels.thickness_mm = 0.0 .* greater than or equal to 0.01",
+        ),
+        (small(panels__gap_mm=-0.5), "panels.gap_mm"),
+        (small(hinges__web_mm=1.6), "hinges.web_mm = 1.6 must be below panels.thickness_mm = 1.6"),
+        (small(perforation__margin_mm=-0.1), "perforation.margin_mm"),
+        (small(perforation={"valley": {"cut_mm": 0.0, "gap_mm": 1.0}}), "valley.cut_mm = 0.0"),
+        (small(tolerance=0.0), "tolerance"),
+    ],
+)
+def test_bad_jobs_are_refused_with_value_bound_and_cure(document, match):
+    with pytest.raises(InvalidJob, match=match):
+        parse_job(document)
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        {"kind": "curved_fold", "k_deg": 400.0},
+        {"kind": "curved_fold", "k_deg": -3.0},
+        {"kind": "crumpled", "beta_deg": 190.0},
+        {"kind": "crumpled", "beta_deg": 108.0, "k_deg": 100.0},
+        {"kind": "curved_fold", "crease_length": 0.0},
+        {"kind": "miura", "columns": 0},
+    ],
+)
+def test_designs_out_of_bounds_raise_before_anything_is_made(design):
+    key = next((k for k in design if k not in ("kind", "beta_deg")), "beta_deg")
+    with pytest.raises(InvalidJob, match=f"design.{key}: .* must lie"):
+        make(parse_job(small(design=design)), [Format.FOLD])
+
+
+def test_changes_are_laid_over_the_file():
+    job = load_job(
+        TEMPLATES / "miura.toml",
+        ["design.rows=3", "sheet.width_mm=99.5", "name=other", "perforation.mountain.cut_mm = 2.5"],
+    )
+    assert (job.design.rows, job.sheet.width_mm, job.name) == (3, 99.5, "other")
+    assert job.perforation.mountain.cut_mm == 2.5
+    assert job.perforation.mountain.gap_mm == 1.0
+
+
+@pytest.mark.parametrize("change", ["rows", "=3", "design.=3", "name.x=1", "design.rows=nan"])
+def test_bad_changes_are_refused(change):
+    with pytest.raises(InvalidJob):
+        load_job(TEMPLATES / "miura.toml", [change])
+
+
+def test_bad_files_are_refused(tmp_path):
+    with pytest.raises(InvalidJob, match=r"cannot be read.*quadfold new"):
+        load_job(tmp_path / "missing.toml")
+    with pytest.raises(InvalidJob, match="not a file"):
+        load_job(tmp_path)
+    (tmp_path / "bad.toml").write_text("name = [")
+    with pytest.raises(InvalidJob, match="not a TOML file"):
+        load_job(tmp_path / "bad.toml")
+    (tmp_path / "bad.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InvalidJob, match="not a TOML file"):
+        load_job(tmp_path / "bad.toml")
+
+
+def test_writing_replaces_old_files_and_leaves_nothing_beside_them(tmp_path):
+    made = make(parse_job(SMALL), [Format.SVG])
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "small.svg").write_text("old")
+    (tmp_path / "out" / "other.txt").write_text("kept")
+    write(made, tmp_path / "out")
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
+        "other.txt",
+        "report.json",
+        "small.svg",
+    ]
+    assert (tmp_path / "out" / "small.svg").read_bytes() == made.files["small.svg"]
+
+
+@pytest.mark.parametrize(
+    ("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, InvalidJob)]
+)
+def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raised):
+    made = make(parse_job(SMALL), [Format.SVG, Format.DXF])
+    from pathlib import Path
+
+    written = Path.write_bytes
+    calls = []
+
+    def failing(self, data):
+        calls.append(self)
+        if len(calls) == 2:
+            written(self, data[:100])
+            raise error("stop")
+        return written(self, data)
+
+    monkeypatch.setattr(Path, "write_bytes", failing)
+    with pytest.raises(raised):
+        write(made, tmp_path / "fresh" / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_the_place_of_a_file_keeps_all_old_files(tmp_path):
+    made = make(parse_job(SMALL), [Format.SVG])
+    (tmp_path / "report.json").mkdir()
+    (tmp_path / "small.svg").write_text("old")
+    with pytest.raises(InvalidJob, match=r"report\.json is a folder"):
+        write(made, tmp_path)
+    assert (tmp_path / "small.svg").read_text() == "old"
+
+
+def test_too_many_dashes_are_refused_before_they_fill_the_memory():
+    fine = {"cut_mm": 0.01, "gap_mm": 0.01}
+    job = parse_job(small(perforation={"mountain": fine}, sheet={"width_mm": 99000.0}))
+    with pytest.raises(InvalidValue, match="number of dashes"):
+        make(job, [Format.DXF])
+
+
+def test_a_sheet_of_which_no_crease_is_cut_is_an_error():
+    made = make(parse_job(small(perforation={"margin_mm": 100.0})), [Format.DXF])
+    assert {f.severity for f in made.findings} == {Severity.ERROR}
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    made = make(parse_job(SMALL), [Format.SVG])
+    for target in ("file", "file/below"):
+        with pytest.raises(InvalidJob, match="is a file, not a folder"):
+            write(made, tmp_path / target)
+    assert (tmp_path / "file").read_text() == "x"
+
+
+def test_a_job_can_be_described_by_a_schema():
+    schema = Job.model_json_schema()
+    assert {"design", "sheet", "panels", "hinges", "perforation"} <= set(schema["properties"])
