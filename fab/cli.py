@@ -24,7 +24,7 @@ from fab.errors import Finding, InvalidFile, InvalidJob, Severity
 from solver.errors import InvalidValue, OrigamiError
 
 if TYPE_CHECKING:
-    from fab.job import Format
+    from fab.make import Format
 
 __all__ = ["main"]
 
@@ -104,7 +104,8 @@ def main() -> None:
 def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
-        from fab.job import load_job, make, require_folder, write
+        from fab.job import load_job
+        from fab.make import make, require_folder, write
 
         formats = _formats(only)
         loaded = load_job(job, changes)
@@ -214,7 +215,7 @@ def _template_files() -> list[Path]:
 
 
 def _formats(only: str | None) -> list[Format]:
-    from fab.job import Format
+    from fab.make import Format
 
     if only is None:
         return list(Format)

@@ -12,11 +12,11 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fab.bodies import TriangleMesh, prism_meshes
 from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import Finding, Severity
 from fab.hinges import Webs
 from fab.panels import Panels, Prisms
-from fab.solid import TriangleMesh, prism_meshes
 from solver.measure import angle_excess, isometry, planarity
 from solver.vectors import IntArray
 

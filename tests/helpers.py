@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fab.job import Format, Made, load_job, make
+from fab.job import load_job
+from fab.make import Format, Made, make
 
 ROOT = Path(__file__).parent.parent
 TEMPLATES = ROOT / "templates"

@@ -10,7 +10,8 @@ import pytest
 from helpers import TEMPLATE_NAMES, TEMPLATES, made_template
 
 from fab.errors import InvalidJob, Severity
-from fab.job import Format, Job, load_job, make, parse_job, write
+from fab.job import Job, load_job, parse_job
+from fab.make import Format, make, write
 from solver import DESIGNS, InvalidValue
 
 SMALL = {
@@ -100,7 +101,7 @@ def test_sheet_scale_is_width_or_factor():
 def test_the_same_job_gives_the_same_bytes_in_another_process(tmp_path):
     """All formats, dates and process-wide counters included."""
     code = (
-        "import sys, pathlib; from fab.job import load_job, make, write\n"
+        "import sys, pathlib; from fab.job import load_job; from fab.make import make, write\n"
         "write(make(load_job(pathlib.Path(sys.argv[1]))), pathlib.Path(sys.argv[2]))"
     )
     for folder in ("one", "two"):

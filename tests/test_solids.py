@@ -13,20 +13,14 @@ from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
 from strategies import patches
 
+from fab.bodies import joined_mesh, prism_meshes
 from fab.crease import CreasePattern, assignments, crease_pattern
 from fab.development import develop
 from fab.errors import Severity
 from fab.hinges import HingeSettings, make_webs
 from fab.inspection import inspect_solids
 from fab.panels import PanelSettings, inset, make_panels
-from fab.solid import (
-    assembly,
-    joined_mesh,
-    prism_meshes,
-    step_bytes,
-    stl_bytes,
-    threemf_bytes,
-)
+from fab.solid import assembly, step_bytes, stl_bytes, threemf_bytes
 from solver import CurvedFold, Miura
 from solver.mesh import edges_of
 
