@@ -99,16 +99,19 @@ def main() -> None:
 @click.option(
     "--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change a key of the job."
 )
-@click.option("--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: all).")
+@click.option(
+    "--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: the job's)."
+)
 @click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
 def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
         from fab.job import load_job
-        from fab.make import make, require_folder, write
+        from fab.make import Format, make, require_folder, write
 
-        formats = _formats(only)
+        chosen = _formats(only)
         loaded = load_job(job, changes)
+        formats = chosen or [Format(name) for name in loaded.outputs]
         require_folder(out)
         with _progress(interrupts) as progress:
             made = make(loaded, formats, progress)
@@ -214,11 +217,11 @@ def _template_files() -> list[Path]:
     return sorted(folder.glob("*.toml"))
 
 
-def _formats(only: str | None) -> list[Format]:
+def _formats(only: str | None) -> list[Format] | None:
     from fab.make import Format
 
     if only is None:
-        return list(Format)
+        return None
     known = [str(f) for f in Format]
     chosen = []
     for word in only.split(","):

@@ -94,6 +94,11 @@ class Job(Settings):
 
     name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")
     description: str = ""
+    outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png"]] = Field(
+        default=["fold", "dxf", "svg", "step", "stl", "3mf", "png"],
+        min_length=1,
+        description="what is made where the command line does not say",
+    )
     tolerance: float = Field(default=1e-9, gt=0, description="of planarity and so on, relative")
     design: Annotated[Union[tuple(_DESIGN_SETTINGS.values())], Field(discriminator="kind")]  # type: ignore[valid-type] # noqa: UP007
     sheet: SheetSettings

@@ -87,22 +87,26 @@ class _Clock:
         self.seconds[name] = round(time.perf_counter() - begin, 4)
 
 
-def make(job: Job, formats: Sequence[Format] = tuple(Format), progress: Progress = _silent) -> Made:
+def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = _silent) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
+
+    formats : those of the job where none are given.
 
     progress : called with (stage, steps done, steps in the stage).
 
     Raises `InvalidJob` where the design's parameters leave nothing to grow, or a sheet without
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
+    formats = [Format(name) for name in job.outputs] if formats is None else formats
     clock = _Clock(progress)
     findings: list[Finding] = []
     with clock.stage("grow") as step, _named(job):
         growth = job.design.design().grow(step)
     findings += _growth_findings(growth)
     with clock.stage("develop"), _named(job):
-        development = develop(growth.mesh)
-        pattern = crease_pattern(growth.mesh, development, job.sheet.scale(development))
+        mesh = growth.mesh.cut_open()  # rings and tubes lie flat along a cut
+        development = develop(mesh)
+        pattern = crease_pattern(mesh, development, job.sheet.scale(development))
     findings += _overlap_findings(development)
     with clock.stage("measure"):
         accuracy = measure_pattern(pattern)

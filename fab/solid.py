@@ -188,10 +188,16 @@ def step_bytes(panels: Panels, webs: Webs, assignments: Sequence[str], name: str
     timestamp = "1980-01-01T00:00:00"
     export_step(_labelled(panels, webs, name), stream, write_pcurves=False, timestamp=timestamp)
     uses = itertools.count(1)
+    # on one line each: where OpenCASCADE breaks them depends on the length of its number
     text = re.sub(
-        r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\(')\d+(')",
-        lambda match: f"{match[1]}{next(uses)}{match[2]}",
+        r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\(\s*'\d+'(.*?);\n",
+        lambda match: (
+            f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{next(uses)}'"
+            + re.sub(r"\n\s*", "", match[1])
+            + ";\n"
+        ),
         stream.getvalue().decode("ascii"),
+        flags=re.DOTALL,
     )
     body, end, tail = text.rpartition("ENDSEC;")
     return "".join(

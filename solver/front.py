@@ -17,11 +17,14 @@ import numpy as np
 
 from solver.errors import InvalidValue, require_within
 from solver.mesh import QuadMesh, Side
-from solver.transfer import half_angles
+from solver.transfer import Closings, half_angles, loop_closings, loop_miss
 from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm
-from solver.vertex import locked_flap_angles, require_foldable, self_intersects
+from solver.vertex import flap_angle_of, locked_flap_angles, require_foldable, self_intersects
 
 __all__ = ["Front", "Rays"]
+
+# A loop that misses itself by less is closed: the rounding is spread over all its quads, radians.
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,15 @@ class Rays:
     half_flaps : sine and cosine of half the flap angles of the interior vertices, (m - 1,) each.
     length_bounds : each length must be below it; inf where neighbouring rays do not meet
         (equations S20, S21), shape (m + 1,).
+    closing_error : of a loop, by how much the flap angle at its first vertex misses itself after
+        once around, radians; the last quad is planar only where it is rounding.
     """
 
     vertices_coords: FloatArray
     directions: FloatArray
     half_flaps: tuple[FloatArray, FloatArray]
     length_bounds: FloatArray
+    closing_error: float = 0.0
 
     @property
     def flap_angles(self) -> FloatArray:
@@ -68,6 +74,8 @@ class Front:
     sin_beta, rise, run : of the interior vertices: with (S13), theta1 is the angle whose tangent is
         rise / (run + 2 sin_beta sin^2(alpha/2)), shape (m - 1,).
     back : unit directions to the previous row, shape (m - 1, 3); None where the front is a curve.
+    closed : the front is a loop; its arrays then run from the last vertex once around to the first,
+        so that every vertex of the loop is an interior one.
     """
 
     vertices_coords: FloatArray
@@ -83,14 +91,19 @@ class Front:
     rise: FloatArray
     run: FloatArray
     back: FloatArray | None = None
+    closed: bool = False
 
     @classmethod
-    def between(cls, vertices_coords: FloatArray, previous_coords: FloatArray) -> Front:
+    def between(
+        cls, vertices_coords: FloatArray, previous_coords: FloatArray, *, closed: bool = False
+    ) -> Front:
         """Front with faces behind it: k = 2 pi - theta3 - theta4 (both arrays (m + 1, 3)).
 
-        Raises `InvalidValue` where beta or k leave their interval.
+        closed : whether both rows are loops, their first vertices not repeated. Raises
+        `InvalidValue` where beta or k leave their interval.
         """
-        x = vertices_coords
+        x = _around(vertices_coords) if closed else vertices_coords
+        previous_coords = _around(previous_coords) if closed else previous_coords
         length, direction = _edges(x)
         crease = previous_coords[1:-1] - x[1:-1]
         size = norm(crease)
@@ -107,15 +120,19 @@ class Front:
         # angles of unit vectors u, v as 2 atan2(|u - v|, |u + v|); the left one is against `before`
         theta4 = 2 * np.arctan2(norm(before + back), norm(before - back))
         theta3 = 2 * np.arctan2(norm(after - back), norm(after + back))
-        return cls._with_k(x, length, direction, 2 * np.pi - theta3 - theta4, back)
+        return cls._with_k(x, length, direction, 2 * np.pi - theta3 - theta4, back, closed)
 
     @classmethod
-    def on_curve(cls, vertices_coords: FloatArray, k: FloatArray | float) -> Front:
+    def on_curve(
+        cls, vertices_coords: FloatArray, k: FloatArray | float, *, closed: bool = False
+    ) -> Front:
         """Front that is only a curve in space; k_i is free in (beta_i, 2 pi - beta_i).
 
-        k : radians, one for all interior vertices or shape (m - 1,). This is the corollary of the
-        paper. Raises `InvalidValue` where beta or k leave their interval.
+        k : radians, one for all interior vertices or shape (m - 1,); of a loop all vertices are
+        interior. This is the corollary of the paper. Raises `InvalidValue` where beta or k leave
+        their interval.
         """
+        vertices_coords = _around(vertices_coords) if closed else vertices_coords
         length, direction = _edges(vertices_coords)
         angles = np.asarray(k, float)
         if angles.ndim > 1 or (angles.ndim == 1 and len(angles) != len(vertices_coords) - 2):
@@ -126,7 +143,7 @@ class Front:
                 "Give one value for each interior vertex of the front.",
             )
         spread = np.broadcast_to(angles, len(vertices_coords) - 2)
-        front = cls._with_k(vertices_coords, length, direction, spread)
+        front = cls._with_k(vertices_coords, length, direction, spread, closed=closed)
         require_foldable(front.beta, front.k)
         return front
 
@@ -140,7 +157,7 @@ class Front:
                 raise InvalidValue(
                     "k", None, "be given for a curve", "Choose k between beta and 2 pi - beta."
                 )
-            return cls.on_curve(x, k)
+            return cls.on_curve(x, k, closed=mesh.closed)
         if k is not None:
             raise InvalidValue(
                 "k",
@@ -150,7 +167,7 @@ class Front:
             )
         y = mesh.vertices_coords[behind]
         _require_convex(x, y)
-        return cls.between(x, y)
+        return cls.between(x, y, closed=mesh.closed)
 
     @classmethod
     def _with_k(
@@ -160,6 +177,7 @@ class Front:
         direction: FloatArray,
         k: FloatArray,
         back: FloatArray | None = None,
+        closed: bool = False,
     ) -> Front:
         before, after = direction[:-1], direction[1:]
         across = cross(after, before)  # a x b with a = -before
@@ -179,7 +197,35 @@ class Front:
         sin_delta, cos_delta = -dot(normals[:-1], inner[1:]), dot(normals[:-1], normals[1:])
         deltas = np.arctan2(sin_delta, cos_delta)
         return cls(
-            x, length, direction, beta, k, couplings, normals, inner, deltas, sine, rise, run, back
+            *(x, length, direction, beta, k, couplings, normals, inner, deltas, sine, rise, run),
+            back=back,
+            closed=closed,
+        )
+
+    @property
+    def row_coords(self) -> FloatArray:
+        """The front's own vertices, one for each of the new row, shape (m + 1, 3) or (N, 3)."""
+        return self.vertices_coords[1:-1] if self.closed else self.vertices_coords
+
+    @property
+    def closing_delta(self) -> float:
+        """Angle between the beta planes of a loop's last and first vertex about their edge."""
+        n0, n1 = self.normals[-1], self.normals[0]
+        return float(np.arctan2(-(n0 @ self.inner[0]), n0 @ n1))
+
+    def closings(self) -> Closings:
+        """The flap angles for which a closed front closes again (`solver.transfer.Closings`).
+
+        Their vertices are counted from 0 there: begin a strip at front vertex number + 1.
+        """
+        if not self.closed:
+            raise InvalidValue("front", "open", "be closed", "Open fronts take any flap angle.")
+        continuation = None
+        if self.back is not None:
+            u = self.edges_direction
+            continuation = float(flap_angle_of(-u[:1], u[1:2], -self.back[:1])[0])
+        return loop_closings(
+            self.couplings, np.append(self.deltas, self.closing_delta), continuation
         )
 
     def self_intersections(self, flap_angles: FloatArray) -> BoolArray:
@@ -227,6 +273,11 @@ class Front:
         if not np.isfinite(flap_angle):
             raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
         s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
+        closing_error = 0.0
+        if self.closed:
+            closing_error, spread = loop_miss(self.couplings, self.closing_delta, s, c)
+            if abs(closing_error) < _ROUNDING:
+                s, c = half_angles(self.couplings, self.deltas + spread, flap_angle, at - 1)
         cos_flap, sin_flap = c * c - s * s, 2 * s * c
         run = self.run + 2 * self.sin_beta * s * s
         size = np.hypot(self.rise, run)
@@ -241,6 +292,9 @@ class Front:
         # theta2 = k - theta1: its cosine and sine without another arctangent
         cos_k, sin_k = np.cos(self.k), np.sin(self.k)
         cos2, sin2 = cos_k * cos1 + sin_k * sin1, sin_k * cos1 - cos_k * sin1
+        if self.closed:
+            bounds = _loop_bounds(self.edges_length[1:], (cos2, sin2), (cos1, sin1))
+            return Rays(self.row_coords, directions[1:-1], (s, c), bounds, abs(closing_error))
         # per edge: angle on its left end (towards the next vertex) and on its right end
         left = np.empty((2, last))
         right = np.empty((2, last))
@@ -309,14 +363,43 @@ def _boundary_ray(
     return cosine * edge + sine / height * across, (cosine, sine)
 
 
+def _around(row: FloatArray) -> FloatArray:
+    """A loop as an open polyline that passes its last vertex first, and its first one last."""
+    return np.concatenate([row[-1:], row, row[:1]])
+
+
+def _loop_bounds(
+    length: FloatArray,
+    left: tuple[FloatArray, FloatArray],
+    right: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """As `_length_bounds` for a loop: edge i runs from vertex i to the next; shape (N,)."""
+    ahead = np.roll(right[0], -1), np.roll(right[1], -1)
+    open_bounds = _meeting_distances(length, left, ahead)
+    return np.minimum(open_bounds[0], np.roll(open_bounds[1], 1))
+
+
 def _length_bounds(length: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
     """Distance at which each ray meets a neighbour (S20, S21); left, right: (cos, sin), (2, m)."""
+    start, end = _meeting_distances(length, (left[0], left[1]), (right[0], right[1]))
+    bounds = np.empty(len(length) + 1)
+    bounds[-1] = np.inf
+    bounds[:-1] = start
+    np.minimum(bounds[1:], end, out=bounds[1:])
+    return bounds
+
+
+def _meeting_distances(
+    length: FloatArray,
+    left: tuple[FloatArray, FloatArray],
+    right: tuple[FloatArray, FloatArray],
+) -> tuple[FloatArray, FloatArray]:
+    """Where the rays at both ends of each edge meet, along the left and along the right one.
+
+    left, right : cosine and sine of the angles between ray and edge. inf where they do not meet.
+    """
     # sum of the two base angles below pi: the rays meet. Parallel ones, up to rounding, do not.
     meet = left[1] * right[0] + left[0] * right[1]
     meets = meet > 8 * np.finfo(float).eps
     base = np.divide(length, meet, out=np.full_like(length, np.inf), where=meets)
-    bounds = np.empty(len(length) + 1)
-    bounds[-1] = np.inf
-    np.multiply(base, right[1], out=bounds[:-1])
-    np.minimum(bounds[1:], base * left[1], out=bounds[1:])
-    return bounds
+    return base * right[1], base * left[1]

@@ -13,7 +13,7 @@ from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
 from solver.vectors import FloatArray
 
-__all__ = ["Growth", "Status", "Strip", "grow"]
+__all__ = ["Growth", "Status", "Stop", "Strip", "grow"]
 
 
 class Status(StrEnum):
@@ -23,10 +23,13 @@ class Status(StrEnum):
     FRONT_NOT_FOLDABLE = "front_not_foldable"
     LENGTH_OVER_BOUND = "length_over_bound"
     LENGTH_NOT_POSITIVE = "length_not_positive"
+    LOOP_NOT_CLOSED = "loop_not_closed"
 
 
 # More would not fit into the memory of a common machine.
 _MOST_QUADS = 20_000_000
+# A loop's flap angle may miss itself by this much, radians.
+_CLOSED = 1e-9
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
 
 
@@ -48,6 +51,14 @@ class Strip:
 
 
 @dataclass(frozen=True)
+class Stop:
+    """That no strip can be chosen, why, and what would help."""
+
+    status: Status
+    advice: str
+
+
+@dataclass(frozen=True)
 class Growth:
     """What growth made: a mesh in every case, and how it ended.
 
@@ -65,7 +76,7 @@ class Growth:
 def grow(
     mesh: QuadMesh,
     strips: int,
-    choose: Callable[[Front, int], Strip],
+    choose: Callable[[Front, int], Strip | Stop],
     *,
     side: Side = Side.TOP,
     k: FloatArray | float | None = None,
@@ -75,7 +86,8 @@ def grow(
 
     Parameters
     ----------
-    choose : called with the front and the strip's number, returns the strip's free choices.
+    choose : called with the front and the strip's number, returns the strip's free choices, or
+        that growth stops here.
     k : radians, for the first strip on a mesh that is only a curve (see `Front.on_curve`).
     progress : called after each strip with the number of strips grown and wanted.
 
@@ -89,12 +101,12 @@ def grow(
         raise InvalidValue(
             "quads to grow", quads, f"be at most {_MOST_QUADS}", "Ask for fewer columns or strips."
         )
-    rows = np.empty((strips, *front.vertices_coords.shape))
+    rows = np.empty((strips, *front.row_coords.shape))
     for j in range(strips):
         if j:
             behind = rows[j - 2] if j > 1 else mesh.vertices_coords[mesh.front_vertices(side)]
             try:
-                front = Front.between(rows[j - 1], behind)
+                front = Front.between(rows[j - 1], behind, closed=mesh.closed)
             except InvalidValue as error:
                 return Growth(
                     mesh.extended(side, rows[:j]),
@@ -103,8 +115,16 @@ def grow(
                     f"Strip {j + 1} of {strips} has no room to fold: {error} {_CURE}",
                 )
         choice = choose(front, j)
+        if isinstance(choice, Stop):
+            return Growth(mesh.extended(side, rows[:j]), j, choice.status, choice.advice)
         rays = front.rays(choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles)
         lengths = _lengths(choice, rays)
+        if rays.closing_error > _CLOSED:
+            advice = (
+                f"Strip {j + 1} of {strips}: once around the loop the flap angle misses itself by "
+                f"{rays.closing_error:.3g} rad. Take one of `solver.transfer.loop_closings`."
+            )
+            return Growth(mesh.extended(side, rows[:j]), j, Status.LOOP_NOT_CLOSED, advice)
         stop = _length_trouble(lengths, rays)
         if stop is not None:
             i, status, bound = stop

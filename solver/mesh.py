@@ -11,6 +11,9 @@ A patch of R rows and C columns is numbered row after row where it was grown at 
       |  0 |  1 |  2 |
       0----1----2----3              row 0 is the bottom, column 0 the left
 
+A closed patch (a tube or a ring of cones) has the same numbering; its last column is joined to its
+first by one more face in every row, and it has no left and right side.
+
 Growth on other sides gives new vertices and faces the next free numbers; old numbers never change,
 and `grid` keeps which vertex stands at (row, column).
 """
@@ -67,19 +70,25 @@ class QuadMesh:
     vertices_coords : shape (nv, 3).
     faces_vertices : shape (nf, 4), counterclockwise seen from the upper side.
     grid : shape (R, C), the vertex at each row and column; with R = 1 the mesh is a curve.
+    closed : whether the last column is joined to the first.
     """
 
     vertices_coords: FloatArray
     faces_vertices: IntArray
     grid: IntArray
+    closed: bool = False
 
     def __post_init__(self) -> None:
         for array in (self.vertices_coords, self.faces_vertices, self.grid):
             array.flags.writeable = False
 
     @classmethod
-    def from_rows(cls, rows: FloatArray | Sequence[FloatArray]) -> QuadMesh:
+    def from_rows(
+        cls, rows: FloatArray | Sequence[FloatArray], *, closed: bool = False
+    ) -> QuadMesh:
         """The patch with the vertices `rows`, shape (R, C, 3), numbered row after row.
+
+        closed : whether each row is a loop; its first vertex is not repeated.
 
         Raises `InvalidValue` for other shapes, fewer than 3 columns, or values that are not finite.
         """
@@ -96,7 +105,7 @@ class QuadMesh:
                 "rows", "NaN or infinity", "hold finite coordinates", "Check where they come from."
             )
         grid = np.arange(coords.shape[0] * coords.shape[1]).reshape(coords.shape[:2])
-        return cls(coords.reshape(-1, 3), _grid_faces(grid), grid)
+        return cls(coords.reshape(-1, 3), _grid_faces(grid, closed), grid, closed)
 
     @cached_property
     def edges(self) -> Edges:
@@ -105,6 +114,10 @@ class QuadMesh:
 
     def front_vertices(self, side: Side) -> IntArray:
         """Vertex numbers along `side`, in the direction that has new growth on its left."""
+        if self.closed and side in (Side.LEFT, Side.RIGHT):
+            raise InvalidValue(
+                "side", side, "be top or bottom on a closed patch", "Cut it open for other sides."
+            )
         front: IntArray = np.rot90(self.grid, _TURNS[side])[-1]
         return front
 
@@ -122,15 +135,31 @@ class QuadMesh:
         new = len(self.vertices_coords) + np.arange(count * width).reshape(count, width)
         turned = np.rot90(self.grid, _TURNS[side])
         grown = np.vstack([turned, new])
-        faces = _grid_faces(grown[len(turned) - 1 :])
+        faces = _grid_faces(grown[len(turned) - 1 :], self.closed)
         return QuadMesh(
             np.concatenate([self.vertices_coords, rows.reshape(-1, 3)]),
             np.concatenate([self.faces_vertices, faces]),
             np.rot90(grown, -_TURNS[side]).copy(),
+            self.closed,
         )
 
+    def cut_open(self) -> QuadMesh:
+        """The patch with a closed one's first column doubled behind its last, to lie flat.
 
-def _grid_faces(grid: IntArray) -> IntArray:
+        The new vertices take the next free numbers; an open patch is returned as it is.
+        """
+        if not self.closed:
+            return self
+        seam = self.grid[:, 0]
+        new = len(self.vertices_coords) + np.arange(len(seam))
+        grid = np.column_stack([self.grid, new])
+        coords = np.concatenate([self.vertices_coords, self.vertices_coords[seam]])
+        return QuadMesh(coords, _grid_faces(grid, closed=False), grid)
+
+
+def _grid_faces(grid: IntArray, closed: bool) -> IntArray:
+    if closed:
+        grid = np.column_stack([grid, grid[:, 0]])
     corners = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
     return np.stack(corners, axis=-1).reshape(-1, 4).astype(np.int64)
 

@@ -18,15 +18,31 @@ so that with (s, c) = (sin, cos)(alpha/2) one vertex costs a swap, a scale and a
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
 from solver.vectors import FloatArray, full_turn
 
-__all__ = ["coupling", "half_angles", "prefix_products", "transform"]
+__all__ = [
+    "Closing",
+    "Closings",
+    "coupling",
+    "half_angles",
+    "loop_closings",
+    "loop_miss",
+    "prefix_products",
+    "transform",
+]
 
 # A chain is normalised before the logarithm of its length can have changed by more than this.
 _LOG_RANGE = 300.0
+
+# A loop matrix this near to a multiple of the identity, for each vertex, is one: all angles close.
+_SAME = 1e-12
+# Two roots nearer to each other than this are one: rounding alone parts a double root that far.
+_DOUBLE = 1e-6
 
 
 def coupling(beta: FloatArray, k: FloatArray) -> FloatArray:
@@ -113,3 +129,168 @@ def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
+
+
+class Closing(StrEnum):
+    """How a closed front can close again, told by its loop matrix alone."""
+
+    PAIR = "pair"
+    CONTINUATION = "continuation"
+    FAMILY = "family"
+    NONE = "none"
+
+
+@dataclass(frozen=True)
+class Closings:
+    """The flap angles for which a loop closes.
+
+    Attributes
+    ----------
+    case : PAIR, two of them; CONTINUATION, a double root; FAMILY, every flap angle; NONE.
+    flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known;
+        empty for FAMILY and NONE.
+    start : for each of them the vertex to begin the chain at, and the flap angle there: vertex 0,
+        or the last one where the way forwards spreads errors (backwards it contracts them).
+    separation : angle between the two roots on the circle, radians (0 for a double root).
+    """
+
+    case: Closing
+    flap_angles: FloatArray
+    start: tuple[tuple[int, float], ...]
+    separation: float
+
+
+def loop_closings(
+    couplings: FloatArray, deltas: FloatArray, continuation: float | None = None
+) -> Closings:
+    """Fixed points of the flap-angle map once around a loop (S1 B.2), without search.
+
+    Parameters
+    ----------
+    couplings : of all N vertices; deltas : to the next vertex, the last one back to vertex 0, (N,).
+    continuation : flap angle at vertex 0 that continues the faces behind the front: always a fixed
+        point, and the other one follows from it without cancellation. None where the front is a
+        curve: then the quadratic is solved.
+    """
+    loop, determinant = _loop_matrix(couplings, deltas)
+    size = float(np.abs(loop).max())
+    if continuation is None:
+        first = _fixed_direction(loop)
+        if first is None:
+            return Closings(Closing.NONE, np.empty(0), (), math.nan)
+    else:
+        first = np.array([math.sin(continuation / 2), math.cos(continuation / 2)])
+    # for a 2x2 matrix with the eigenvector v1, the columns of P - lambda1 I are along the other one
+    rest = loop - (first @ loop @ first) * np.eye(2)
+    column = rest[:, int(np.argmax(np.abs(rest).max(axis=0)))]
+    if np.abs(column).max() <= _SAME * size * len(couplings):
+        return Closings(Closing.FAMILY, np.empty(0), (), math.nan)
+    second = column / math.hypot(*column)
+    separation = 2 * math.asin(min(1.0, abs(float(first[0] * second[1] - first[1] * second[0]))))
+    case, roots = Closing.PAIR, [first, second]
+    if separation <= _DOUBLE:
+        case, roots = Closing.CONTINUATION, [first]
+    angles = full_turn(2 * np.arctan2(*np.array(roots).T))
+    starts = []
+    for root, angle in zip(roots, angles.tolist(), strict=True):
+        image = loop @ root
+        slope = determinant / float(image @ image)  # derivative of the map at its fixed point
+        starts.append(_polished(couplings, deltas, angle, slope))
+    return Closings(case, angles, tuple(starts), separation)
+
+
+def _polished(
+    couplings: FloatArray, deltas: FloatArray, angle: float, slope: float
+) -> tuple[int, float]:
+    """Where to begin a chain that closes, and the flap angle there after two Newton steps.
+
+    angle : at vertex 0; slope : derivative of the map once around. A map that expands is followed
+    backwards, from the last vertex, so that rounding errors shrink on the way.
+    """
+    last = len(couplings) - 1
+    if abs(slope) > 1:
+        begin, end, slope = last, 0, 1 / slope
+        angle = _before(angle, couplings[-1], deltas[-1])
+    else:
+        begin, end = 0, last
+    for _ in range(2 if abs(slope - 1) > _DOUBLE else 0):
+        s, c = half_angles(couplings, deltas[:-1], angle, begin)
+        reached = float(2 * np.arctan2(s[end], c[end]))
+        if begin == last:
+            around = _before(reached, couplings[-1], deltas[-1])
+        else:
+            around = _after(reached, couplings[-1], deltas[-1])
+        miss = math.remainder(around - angle, 2 * math.pi)
+        angle -= miss / (slope - 1)
+    return begin, angle % (2 * math.pi)
+
+
+def _after(flap_angle: float, coupling_there: float, delta: float) -> float:
+    """Flap angle of the vertex after one with `flap_angle`: one step forwards, radians."""
+    half = flap_angle / 2
+    return 2 * math.atan2(coupling_there * math.cos(half), math.sin(half)) + delta
+
+
+def _before(flap_angle: float, coupling_there: float, delta: float) -> float:
+    """Flap angle of the vertex before one with `flap_angle`: one step backwards, radians."""
+    back = (flap_angle - delta) / 2
+    return 2 * math.atan2(coupling_there * math.cos(back), math.sin(back))
+
+
+def loop_miss(
+    couplings: FloatArray, closing_delta: float, s: FloatArray, c: FloatArray
+) -> tuple[float, FloatArray]:
+    """By how much a loop misses its first flap angle, and what all deltas must change by.
+
+    closing_delta : from the last vertex back to the first; s, c : of the chain that was walked.
+
+    Returns
+    -------
+    miss : flap angle after once around minus that at vertex 0, radians in [-pi, pi].
+    spread : the change of every delta that makes up for it, to first order, all of one size and
+        signed so that they add up (the closing delta keeps its own share), shape (N - 1,).
+    """
+    reached = float(2 * np.arctan2(s[-1], c[-1]))
+    first = float(2 * np.arctan2(s[0], c[0]))
+    miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
+    # slope of each step, and of the way from behind each step to the end of the loop
+    slopes = -couplings / ((couplings * c) ** 2 + s * s)
+    ahead = np.cumprod(slopes[:0:-1])[::-1]
+    total = float(np.abs(ahead).sum()) + 1.0
+    spread: FloatArray = -miss * np.sign(ahead) / total
+    return miss, spread
+
+
+def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray, float]:
+    """Product of all steps, each of determinant -1, over its largest entry; and its determinant.
+
+    The determinant is carried along: of a product that stretches much the entries do not tell it.
+    """
+    product = np.eye(2)
+    logarithm = 0.0
+    root = np.sqrt(couplings)
+    cos_half, sin_half = np.cos(deltas / 2), np.sin(deltas / 2)
+    steps = np.stack(
+        [sin_half / root, cos_half * root, cos_half / root, -sin_half * root], axis=1
+    ).reshape(-1, 2, 2)
+    for step in steps:
+        product = step @ product
+        scale = float(np.abs(product).max())
+        product /= scale
+        logarithm -= 2 * math.log(scale)
+    return product, (-1.0) ** len(steps) * math.exp(logarithm)
+
+
+def _fixed_direction(loop: FloatArray) -> FloatArray | None:
+    """The eigenvector of the larger eigenvalue; None where both are complex."""
+    (a, b), (c, d) = loop.tolist()
+    half = (a - d) / 2
+    root = half * half + b * c
+    if root < 0:
+        return None
+    swing = half + math.copysign(math.sqrt(root), half)
+    vector = np.array([swing, c]) if abs(swing) + abs(c) > 0 else np.array([1.0, 0.0])
+    if abs(swing) + abs(c) < 1e-300:
+        vector = np.array([1.0, 0.0])
+    unit: FloatArray = vector / np.hypot(*vector)
+    return unit

@@ -22,6 +22,7 @@ from solver.errors import InvalidValue, require_within
 from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, unit
 
 __all__ = [
+    "even_flap_angles",
     "flap_angle_of",
     "growth_direction",
     "locked_flap_angles",
@@ -114,6 +115,16 @@ def flap_angle_of(a: FloatArray, b: FloatArray, direction: FloatArray) -> FloatA
     n = unit(cross(a, b))
     p = cross(n, unit(a))
     return full_turn(np.arctan2(dot(direction, n), dot(direction, p)))
+
+
+def even_flap_angles(beta: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Flap angles that give the two new sectors equal angles k/2 (S2), on both sides.
+
+    The new crease then stands over the bisector of the front: cos alpha = tan(beta/2) / tan(k/2).
+    Radians, [0, 2 pi); the two are mirror images about the beta plane.
+    """
+    over = np.arccos(np.tan(beta / 2) / np.tan(k / 2))
+    return over, 2 * np.pi - over
 
 
 def locked_flap_angles(

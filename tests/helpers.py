@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from fab.job import load_job
-from fab.make import Format, Made, make
+from fab.make import Made, make
 
 ROOT = Path(__file__).parent.parent
 TEMPLATES = ROOT / "templates"
 REFERENCE = ROOT.parent / "shared" / "reference"
 
 TEMPLATE_NAMES = sorted(path.stem for path in TEMPLATES.glob("*.toml"))
-GRIDS = {"F4D": (11, 101), "F4E": (41, 21), "peaks_coarse": (34, 41)}
+GRIDS = {"F4D": (11, 101), "F4E": (41, 21), "F4F": (2, 401), "peaks_coarse": (34, 41)}
 
 
 def published(name: str, state: str) -> np.ndarray:
@@ -41,4 +41,4 @@ def turned_onto(points: np.ndarray, target: np.ndarray) -> np.ndarray:
 @cache
 def made_template(name: str) -> Made:
     """All files of a shipped job, made once for the whole suite."""
-    return make(load_job(TEMPLATES / f"{name}.toml"), tuple(Format))
+    return make(load_job(TEMPLATES / f"{name}.toml"))

@@ -42,10 +42,12 @@ def test_every_template_is_exact_and_without_errors(name):
     assert report["planarity_max"] <= 1e-12
     assert report["developability_max_rad"] <= 1e-12
     assert report["isometry_max_rel"] <= 1e-11
-    assert sorted(made.files) == sorted([*(f"{name}.{f}" for f in Format), "report.json"])
+    wanted = load_job(TEMPLATES / f"{name}.toml").outputs
+    assert sorted(made.files) == sorted([*(f"{name}.{f}" for f in wanted), "report.json"])
     assert json.loads(made.files["report.json"])["job"]["name"] == name
-    assert report["solids"]["bodies"] == 1
-    assert report["solids"]["overlap_max_mm3"] <= 1e-6
+    if "step" in wanted:
+        assert report["solids"]["bodies"] == 1
+        assert report["solids"]["overlap_max_mm3"] <= 1e-6
 
 
 @pytest.mark.parametrize(
@@ -54,6 +56,10 @@ def test_every_template_is_exact_and_without_errors(name):
         ("curved_fold", 1000, (940, 950, 220), (380.0, 194.717699), 2890),
         ("miura", 80, (76, 66, 36), (200.0, 196.299091), 222),
         ("crumpled", 800, (750, 790, 120), (390.0, 169.438234), 2326),
+        ("twisted_squares", 324, (283, 280, 170), (390.0, 245.84502), 887),
+        ("nested_cones", 1800, (1691, 1791, 236), (900.0, 584.963944), None),
+        ("brownian_ribbon", 10, (4, 5, 22), (300.0, 298.291976), 19),
+        ("random_tube", 36, (30, 29, 26), (300.0, 72.631927), 95),
     ],
 )
 def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
@@ -61,7 +67,10 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
     assert report["counts"]["faces"] == faces
     assert tuple(report["counts"]["creases"][letter] for letter in "MVB") == creases
     assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, abs=1e-3)
-    assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
+    if solids is None:
+        assert report["solids"] is None
+    else:
+        assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
 
 
 def test_there_is_a_template_for_every_design():
@@ -150,7 +159,7 @@ def test_growth_that_stops_is_an_error_with_advice():
         (small(design__fold=0.5), "Did you mean design.fold_deg?"),
         (small(panels__thicknes_mm=2.0), "Did you mean panels.thickness_mm?"),
         (small(perforation={"mountain": {"cut_mm": 1.0, "gap": 1.0}}), "mountain.gap_mm"),
-        (small(design__kind="miuri"), "must be one of crumpled, curved_fold, miura. Did you mean"),
+        (small(design__kind="miuri"), "must be one of .*, miura, .*. Did you mean miura"),
         (small(design={"columns": 3}), "design.kind"),
         (small(design=3), "design = 3 must be a table"),
         (small(row=3), "row is not a known key. Did you mean design.rows"),

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+from solver.designs.brownian_ribbon import BrownianRibbon
 from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
+from solver.designs.random_tube import RandomTube
+from solver.designs.tilted_rings import TiltedRings
 
-__all__ = ["DESIGNS", "Crumpled", "CurvedFold", "Design", "Miura"]
+__all__ = [
+    "DESIGNS",
+    "BrownianRibbon",
+    "Crumpled",
+    "CurvedFold",
+    "Design",
+    "Miura",
+    "RandomTube",
+    "TiltedRings",
+]
 
-Design = Crumpled | CurvedFold | Miura
+Design = BrownianRibbon | Crumpled | CurvedFold | Miura | RandomTube | TiltedRings
 
 DESIGNS: dict[str, type[Design]] = {
+    "brownian_ribbon": BrownianRibbon,
     "crumpled": Crumpled,
     "curved_fold": CurvedFold,
     "miura": Miura,
+    "random_tube": RandomTube,
+    "tilted_rings": TiltedRings,
 }
