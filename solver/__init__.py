@@ -8,6 +8,7 @@ from solver.designs import (
     Design,
     Miura,
     RandomTube,
+    SurfaceFit,
     TiltedRings,
 )
 from solver.errors import InvalidValue, OrigamiError
@@ -15,6 +16,7 @@ from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
+from solver.targets import ParametricSurface, explicit_surface
 
 __all__ = [
     "DESIGNS",
@@ -27,6 +29,7 @@ __all__ = [
     "InvalidValue",
     "Miura",
     "OrigamiError",
+    "ParametricSurface",
     "QuadMesh",
     "RandomTube",
     "Rays",
@@ -34,8 +37,10 @@ __all__ = [
     "Status",
     "Stop",
     "Strip",
+    "SurfaceFit",
     "TiltedRings",
     "developability",
+    "explicit_surface",
     "grow",
     "isometry",
     "planarity",

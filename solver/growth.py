@@ -24,6 +24,8 @@ class Status(StrEnum):
     LENGTH_OVER_BOUND = "length_over_bound"
     LENGTH_NOT_POSITIVE = "length_not_positive"
     LOOP_NOT_CLOSED = "loop_not_closed"
+    FACES_CROSS = "faces_cross"
+    COVERED = "covered"
 
 
 # More would not fit into the memory of a common machine.

@@ -29,6 +29,7 @@ __all__ = [
     "Closing",
     "Closings",
     "coupling",
+    "derivative",
     "half_angles",
     "loop_closings",
     "loop_miss",
@@ -129,6 +130,18 @@ def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
+
+
+def derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """Exact derivatives of `transform` with respect to the first flap angle, shape (n, q).
+
+    A Moebius map of half-angles turns by its determinant over the squared length of the image.
+    """
+    start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
+    image = matrices @ start
+    determinant = np.linalg.det(matrices)
+    out: FloatArray = determinant[:, None] / (image[:, 0] ** 2 + image[:, 1] ** 2)
+    return out
 
 
 class Closing(StrEnum):

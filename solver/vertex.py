@@ -22,8 +22,10 @@ from solver.errors import InvalidValue, require_within
 from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, unit
 
 __all__ = [
+    "continuation_flap_angles",
     "even_flap_angles",
     "flap_angle_of",
+    "flat_foldable_flap_angles",
     "growth_direction",
     "locked_flap_angles",
     "require_foldable",
@@ -125,6 +127,37 @@ def even_flap_angles(beta: FloatArray, k: FloatArray) -> tuple[FloatArray, Float
     """
     over = np.arccos(np.tan(beta / 2) / np.tan(k / 2))
     return over, 2 * np.pi - over
+
+
+def flat_foldable_flap_angles(
+    a: FloatArray, b: FloatArray, c: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Flap angles that make opposite sectors add up to pi (S2), on both sides of the beta plane.
+
+    a, b, c : unit directions of the old creases, shape (n, 3). Then theta1 = pi - theta3 and
+    theta2 = pi - theta4, and the vertex can fold flat. Radians in [0, 2 pi); NaN where no flap
+    angle does it. From (S13) with theta1 known: the spherical triangle a, b, r has sides beta,
+    theta1 and theta2.
+    """
+    ab = cross(a, b)
+    sin_beta, cos_beta = np.sqrt(dot(ab, ab)), dot(a, b)
+    bc = cross(b, c)
+    cos1, sin1, cos2 = -dot(b, c), np.sqrt(dot(bc, bc)), -dot(a, c)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        over = np.arccos((cos2 - cos1 * cos_beta) / (sin1 * sin_beta))
+    return over, full_turn(2 * np.pi - over)
+
+
+def continuation_flap_angles(
+    a: FloatArray, b: FloatArray, c: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Flap angles of the crease that continues c straight on, and of its mirror image (S2).
+
+    The continuation, r = -c, leaves both front creases unfolded; its reflection about the beta
+    plane folds them alike. Both always exist. Radians in [0, 2 pi); shapes as above.
+    """
+    straight = flap_angle_of(a, b, -c)
+    return straight, full_turn(2 * np.pi - straight)
 
 
 def locked_flap_angles(

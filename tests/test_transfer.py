@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from strategies import patches, vertices
 
 from solver import CurvedFold, Front, Side
-from solver.transfer import coupling, half_angles, prefix_products, transform
+from solver.transfer import coupling, derivative, half_angles, prefix_products, transform
 from solver.vertex import flap_angle_of
 
 
@@ -51,6 +51,17 @@ def test_prefix_products_map_the_first_flap_angle_to_all_others(mesh, first):
     image = transform(matrices, np.array([first, 1.0]))
     assert circle_distance(image[:, 0], flap_angles(front, first)).max() < 1e-9
     assert image[0] == pytest.approx([first, 1.0], abs=1e-12)
+
+
+@given(patches(), st.floats(0.0, 6.28))
+def test_the_derivative_is_that_of_the_map(mesh, first):
+    front = Front.of(mesh, Side.TOP)
+    matrices = prefix_products(front.couplings, front.deltas)
+    exact = derivative(matrices, np.array([first]))[:, 0]
+    h = 1e-5 / np.abs(exact).max()
+    low, high = transform(matrices, np.array([first - h, first + h])).T
+    difference = np.angle(np.exp(1j * (high - low))) / (2 * h)
+    assert difference == pytest.approx(exact, rel=1e-4, abs=1e-6 * np.abs(exact).max())
 
 
 @given(patches(), st.floats(0.0, 6.28), st.data())

@@ -10,7 +10,9 @@ from solver.errors import InvalidValue, OrigamiError
 from solver.transfer import coupling
 from solver.vectors import angle_between, cross, dot, unit
 from solver.vertex import (
+    continuation_flap_angles,
     flap_angle_of,
+    flat_foldable_flap_angles,
     growth_direction,
     locked_flap_angles,
     sector_angles,
@@ -109,6 +111,27 @@ def test_self_intersection_agrees_with_crossing_arcs():
         agreed += 1
         crossed += expected
     assert 200 < crossed < 3800
+
+
+@given(vertices(), frames(), st.floats(0.1, 3.0))
+def test_special_flap_angles_are_what_they_say(vertex, frame, lift):
+    beta, _, flap = vertex
+    a, b = frame(beta)
+    n = unit(cross(a, b))
+    c = unit(np.cos(flap) * a + np.sin(flap) * b + lift * n)
+    theta4, theta3 = angle_between(a, c), angle_between(b, c)
+    k = 2 * np.pi - theta3 - theta4
+    if not beta + 0.02 < k[0] < 2 * np.pi - beta - 0.02:
+        return
+    straight, mirrored = continuation_flap_angles(a, b, c)
+    assert growth_direction(a, b, straight, k) == pytest.approx(-c, abs=1e-9)
+    image = -c + 2 * dot(c, n)[:, None] * n
+    assert growth_direction(a, b, mirrored, k) == pytest.approx(image, abs=1e-9)
+    for flat in flat_foldable_flap_angles(a, b, c):
+        if np.isfinite(flat[0]) and abs(np.sin(flat[0])) > 1e-3:
+            theta1, theta2 = sector_angles(flat, one(beta), k)
+            assert theta1 + theta3 == pytest.approx(np.pi, abs=1e-8)
+            assert theta2 + theta4 == pytest.approx(np.pi, abs=1e-8)
 
 
 @given(vertices(), frames(), st.floats(0.1, 3.0))

@@ -7,6 +7,7 @@ from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
 from solver.designs.random_tube import RandomTube
+from solver.designs.surface_fit import SurfaceFit
 from solver.designs.tilted_rings import TiltedRings
 
 __all__ = [
@@ -17,10 +18,11 @@ __all__ = [
     "Design",
     "Miura",
     "RandomTube",
+    "SurfaceFit",
     "TiltedRings",
 ]
 
-Design = BrownianRibbon | Crumpled | CurvedFold | Miura | RandomTube | TiltedRings
+Design = BrownianRibbon | Crumpled | CurvedFold | Miura | RandomTube | SurfaceFit | TiltedRings
 
 DESIGNS: dict[str, type[Design]] = {
     "brownian_ribbon": BrownianRibbon,
@@ -28,5 +30,6 @@ DESIGNS: dict[str, type[Design]] = {
     "curved_fold": CurvedFold,
     "miura": Miura,
     "random_tube": RandomTube,
+    "surface_fit": SurfaceFit,
     "tilted_rings": TiltedRings,
 }
