@@ -15,9 +15,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from solver.arcs import free_arcs
 from solver.errors import InvalidValue, require_within
 from solver.mesh import QuadMesh, Side
-from solver.transfer import Closings, half_angles, loop_closings, loop_miss
+from solver.transfer import (
+    Closings,
+    apply_each,
+    half_angles,
+    inverses,
+    loop_closings,
+    loop_miss,
+    prefix_products,
+)
 from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm
 from solver.vertex import flap_angle_of, locked_flap_angles, require_foldable, self_intersects
 
@@ -238,6 +247,29 @@ class Front:
         a, b = -self.edges_direction[:-1], self.edges_direction[1:]
         left, right = locked_flap_angles(a, b, self.back, self.couplings)
         return self_intersects(flap_angles, left[:, None], right[:, None])
+
+    def free_flap_angles(self) -> FloatArray:
+        """Flap angles at front vertex 1 for which no vertex self-intersects, as arcs (k, 2).
+
+        The crossing intervals of every vertex (S2 B) are carried to the first one by inverse
+        matrices and united exactly (S4 D); see `solver.arcs` for the form of arcs.
+        """
+        if self.back is None:
+            return free_arcs(np.empty((0, 2)))
+        a, b = -self.edges_direction[:-1], self.edges_direction[1:]
+        left, right = locked_flap_angles(a, b, self.back, self.couplings)
+        base = np.where(left < np.pi, 0.0, np.pi)
+        ends = np.concatenate(
+            [
+                np.column_stack([base, np.minimum(left, right)]),
+                np.column_stack([np.maximum(left, right), base + np.pi]),
+            ]
+        )
+        matrices = inverses(prefix_products(self.couplings, self.deltas))
+        images = apply_each(np.concatenate([matrices, matrices]), ends)
+        turned = np.linalg.det(matrices) < 0  # such a map runs backwards round the circle
+        images = np.where(np.concatenate([turned, turned])[:, None], images[:, ::-1], images)
+        return free_arcs(images)
 
     def away_from_back(self, flap_angles: FloatArray) -> BoolArray:
         """Vertices whose new crease and old crease lie on different sides of the beta plane.

@@ -28,9 +28,11 @@ from solver.vectors import FloatArray, full_turn
 __all__ = [
     "Closing",
     "Closings",
+    "apply_each",
     "coupling",
     "derivative",
     "half_angles",
+    "inverses",
     "loop_closings",
     "loop_miss",
     "prefix_products",
@@ -128,6 +130,24 @@ def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     Returns shape (n, q).
     """
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
+    image = matrices @ start
+    return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
+
+
+def inverses(matrices: FloatArray) -> FloatArray:
+    """Matrices of the inverse maps, up to a factor (the adjugates), shape (n, 2, 2).
+
+    They take a flap angle at any location of a strip back to the first one (S1 A.4).
+    """
+    out = np.empty_like(matrices)
+    out[:, 0, 0], out[:, 1, 1] = matrices[:, 1, 1], matrices[:, 0, 0]
+    out[:, 0, 1], out[:, 1, 0] = -matrices[:, 0, 1], -matrices[:, 1, 0]
+    return out
+
+
+def apply_each(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """Images of row i of `flap_angles`, shape (n, q), under matrix i of (n, 2, 2); shape (n, q)."""
+    start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)], axis=1)
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
 

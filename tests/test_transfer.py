@@ -7,7 +7,15 @@ from hypothesis import strategies as st
 from strategies import patches, vertices
 
 from solver import CurvedFold, Front, Side
-from solver.transfer import coupling, derivative, half_angles, prefix_products, transform
+from solver.transfer import (
+    apply_each,
+    coupling,
+    derivative,
+    half_angles,
+    inverses,
+    prefix_products,
+    transform,
+)
 from solver.vertex import flap_angle_of
 
 
@@ -51,6 +59,16 @@ def test_prefix_products_map_the_first_flap_angle_to_all_others(mesh, first):
     image = transform(matrices, np.array([first, 1.0]))
     assert circle_distance(image[:, 0], flap_angles(front, first)).max() < 1e-9
     assert image[0] == pytest.approx([first, 1.0], abs=1e-12)
+
+
+@given(patches(), st.floats(0.0, 6.28))
+def test_inverses_take_every_flap_angle_back_to_the_first(mesh, first):
+    front = Front.of(mesh, Side.TOP)
+    matrices = prefix_products(front.couplings, front.deltas)
+    there = transform(matrices, np.array([first]))
+    back = apply_each(inverses(matrices), there)[:, 0]
+    slope = np.abs(derivative(matrices, np.array([first]))[:, 0])
+    assert (circle_distance(back, first) < 1e-13 * (1 + 1 / slope)).all()
 
 
 @given(patches(), st.floats(0.0, 6.28))

@@ -8,17 +8,19 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from solver.arcs import contain
 from solver.errors import InvalidValue, require_count, require_length, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh
-from solver.transfer import Closing, prefix_products, transform
+from solver.transfer import Closing, apply_each, inverses, prefix_products
 from solver.vectors import FloatArray, angle_between
 from solver.vertex import even_flap_angles
 
 __all__ = ["TiltedRings"]
 
-_TRIALS = 720
+# Where in each free arc flap angles are tried before the best one is polished.
+_SHARES = (np.arange(120) + 0.5) / 120
 
 
 @dataclass(frozen=True)
@@ -105,17 +107,18 @@ def _folded_strip(front: Front, lengths: Callable[[Rays], FloatArray]) -> Strip 
         return float(skew @ skew)
 
     # candidates cross no face at any vertex and reach the plane
-    matrices = prefix_products(front.couplings, front.deltas)
-    spread = (np.arange(_TRIALS) + 0.5) * (2 * np.pi / _TRIALS)
-    # on a fine ring few flap angles are free: those near even sectors at some vertex
-    even = [
-        float(transform(np.linalg.inv(matrix)[None], angle[None])[0, 0])
-        for angles in even_flap_angles(front.beta, front.k)
-        for matrix, angle in zip(matrices, angles, strict=True)
+    free = front.free_flap_angles()
+    candidates = [
+        start + share * ((end - start) % (2 * np.pi))
+        for start, end in free.tolist()
+        for share in _SHARES
     ]
-    trials = np.concatenate([spread, even])
-    free = ~front.self_intersections(transform(matrices, trials)).any(axis=0)
-    reached = [angle for angle in trials[free].tolist() if _usable(front.rays(angle), lengths)]
+    # on a fine ring creases meet early except near even sectors at some vertex
+    matrices = inverses(prefix_products(front.couplings, front.deltas))
+    for angles in even_flap_angles(front.beta, front.k):
+        even = apply_each(matrices, angles[:, None])[:, 0]
+        candidates += even[contain(free, even)].tolist()
+    reached = [angle for angle in candidates if _usable(front.rays(angle), lengths)]
     if not reached:
         return Stop(
             Status.LOOP_NOT_CLOSED,
