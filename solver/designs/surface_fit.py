@@ -9,18 +9,23 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
 
+from solver.arcs import contain
 from solver.errors import InvalidValue, require_count, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import angle_excess
 from solver.mesh import QuadMesh, Side, interior_vertices
 from solver.targets import ParametricSurface
-from solver.transfer import prefix_products, transform
+from solver.transfer import prefix_products
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["SURFACES", "SurfaceFit", "fit_surface"]
 
-_TRIALS = 720
+# Flap angles tried all around the circle, and near a good one; how near; and what is much worse.
+_TRIALS = 1441
+_AROUND = 23
+_NEAR = 0.05
+_WORSE = 1.2
 
 
 def _waves(u: FloatArray, v: FloatArray) -> FloatArray:
@@ -144,18 +149,19 @@ class _Follower:
         self.uv = uv
         self.offset = offset
         self.way = way
+        self.found: dict[int, tuple[float, float]] = {}  # angle and cost by the strip's parity
 
     def choose(self, front: Front, strip: int) -> Strip | Stop:
         """The next strip, for `solver.growth.grow`."""
         if (self.way * self.uv[:, 0]).min() > 1.0:
             return Stop(Status.COVERED, "The domain is covered.")
         self.offset = -self.offset
-        flap_angle, count = self._flap_angle(front)
-        if count:
+        flap_angle = self._flap_angle(front, strip % 2)
+        if flap_angle is None:
             return Stop(
                 Status.FACES_CROSS,
-                f"Strip {strip + 1}: at {count} front vertices new faces would cross old ones. "
-                "A larger zigzag or a smaller row_step gives the front more room.",
+                f"Strip {strip + 1}: at every flap angle new faces would cross old ones somewhere. "
+                "A larger zigzag or row_step gives the front more room.",
             )
 
         def to_offset(rays: Rays) -> FloatArray:
@@ -166,41 +172,75 @@ class _Follower:
 
         return Strip(flap_angle, to_offset)
 
-    def _flap_angle(self, front: Front) -> tuple[float, int]:
-        """The flap angle whose creases mirror those behind best, and at how many faces cross."""
+    def _flap_angle(self, front: Front, parity: int) -> float | None:
+        """The free flap angle whose creases mirror those behind best; None where none is free.
+
+        Looked for near that of the strip before the last, and all around only where that has
+        become much worse.
+        """
+        free = front.free_flap_angles()
+        if not len(free):
+            return None
+        cost = self._cost(front)
+        known = self.found.get(parity)
+        if known is not None:
+            angle, value = _lowest(cost, free, known[0], _NEAR, _AROUND)
+            if value <= _WORSE * known[1]:
+                self.found[parity] = angle, value
+                return angle
+        angle, value = _lowest(cost, free, np.pi, np.pi, _TRIALS)
+        self.found[parity] = angle, value
+        return angle
+
+    def _cost(self, front: Front) -> Callable[[FloatArray], FloatArray]:
+        """Sum over the creases of 1 - cosine to the wanted direction, for many flap angles."""
         assert front.back is not None  # the seed has faces
         normal = self.target.normal(self.uv[1:-1])
         onward = -front.back
         wanted = unit(onward - 2 * dot(onward, normal)[:, None] * normal)
-        a = -front.edges_direction[:-1]
-        # cost over all trials: the creases' directions as combinations of the vertices' frames
-        parts = np.stack([dot(wanted, w) for w in (a, front.inner, front.normals)])
-
+        # creases are combinations of the vertices' frames, flap angles images of the first one
+        frame = (-front.edges_direction[:-1], front.inner, front.normals)
+        along_a, along_inner, along_normal = (dot(wanted, w)[:, None] for w in frame)
         matrices = prefix_products(front.couplings, front.deltas)
+        rise, run, sin_beta = (w[:, None] for w in (front.rise, front.run, front.sin_beta))
 
-        def cost(trials: FloatArray) -> tuple[FloatArray, FloatArray]:
-            flap = transform(matrices, trials)
-            run = front.run[:, None] + 2 * front.sin_beta[:, None] * np.sin(flap / 2) ** 2
-            size = np.hypot(front.rise[:, None], run)
-            cos1, sin1 = run / size, front.rise[:, None] / size
-            along = (
-                parts[0, :, None] * cos1
-                + parts[1, :, None] * sin1 * np.cos(flap)
-                + parts[2, :, None] * sin1 * np.sin(flap)
-            )
-            crossing = front.self_intersections(flap).sum(axis=0)
-            return (1 - along).sum(axis=0), crossing
+        def cost(trials: FloatArray) -> FloatArray:
+            image = matrices @ np.stack([np.sin(trials / 2), np.cos(trials / 2)])
+            s2, c2, sc = image[:, 0] ** 2, image[:, 1] ** 2, image[:, 0] * image[:, 1]
+            size = s2 + c2
+            level = run + 2 * sin_beta * s2 / size
+            across = along_inner * (c2 - s2) + along_normal * (2 * sc)
+            cosine = (along_a * level + rise * across / size) / np.hypot(rise, level)
+            out: FloatArray = (1 - cosine).sum(axis=0)
+            return out
 
-        width = 2 * np.pi / _TRIALS
-        trials: FloatArray = np.arange(_TRIALS, dtype=np.float64) * width
-        best, count = 0.0, 0
-        while width > 1e-12:
-            values, crossing = cost(trials)
-            place = int(np.lexsort((values, crossing))[0])
-            best, count = float(trials[place]), int(crossing[place])
-            trials = best + np.linspace(-width, width, 41)
-            width /= 20
-        return best, count
+        return cost
+
+
+def _lowest(
+    cost: Callable[[FloatArray], FloatArray],
+    free: FloatArray,
+    middle: float,
+    reach: float,
+    count: int,
+) -> tuple[float, float]:
+    """The flap angle of least cost within reach of another, and its cost (inf: none is free).
+
+    Steps of trials, each ten times finer than the one before, down to the width of the minimum
+    that rounding leaves.
+    """
+    best, value = middle, np.inf
+    while reach > 1e-9:
+        trials = (middle + np.linspace(-reach, reach, count)) % (2 * np.pi)
+        values = np.where(contain(free, trials), cost(trials), np.inf)
+        place = int(np.argmin(values))
+        if values[place] < value:
+            best, value = float(trials[place]), float(values[place])
+        if not np.isfinite(value):
+            break
+        reach *= 2.2 / (count - 1)
+        middle, count = best, _AROUND
+    return best, value
 
 
 def _planarised(
