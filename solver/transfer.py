@@ -315,15 +315,15 @@ def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray,
 
 
 def _fixed_direction(loop: FloatArray) -> FloatArray | None:
-    """The eigenvector of the larger eigenvalue; None where both are complex."""
+    """An eigenvector; None where both eigenvalues are complex."""
     (a, b), (c, d) = loop.tolist()
     half = (a - d) / 2
     root = half * half + b * c
     if root < 0:
         return None
-    swing = half + math.copysign(math.sqrt(root), half)
-    vector = np.array([swing, c]) if abs(swing) + abs(c) > 0 else np.array([1.0, 0.0])
-    if abs(swing) + abs(c) < 1e-300:
-        vector = np.array([1.0, 0.0])
+    swing = abs(half) + math.sqrt(root)  # no cancellation
+    if swing == 0:
+        return np.array([1.0, 0.0] if abs(b) >= abs(c) else [0.0, 1.0])
+    vector = np.array([swing, c] if half >= 0 else [b, swing])
     unit: FloatArray = vector / np.hypot(*vector)
     return unit

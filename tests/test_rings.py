@@ -24,7 +24,7 @@ from solver import (
     seeds,
 )
 from solver.designs.brownian_ribbon import ribbon
-from solver.transfer import Closing, half_angles, loop_closings
+from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings
 from solver.vertex import even_flap_angles, growth_direction, sector_angles
 
 
@@ -52,6 +52,17 @@ def test_odd_loops_close_for_exactly_two_flap_angles(seed, half):
     # anywhere between the two roots the loop misses itself
     middle = float(closings.flap_angles.mean())
     assert front.rays(middle).closing_error > 1e-6
+
+
+@given(st.lists(st.floats(-3, 3), min_size=4, max_size=4))
+def test_fixed_directions_are_eigenvectors(entries):
+    loop = np.array(entries).reshape(2, 2)
+    vector = _fixed_direction(loop)
+    if vector is None:
+        assert np.abs(np.linalg.eigvals(loop).imag).min() > 0
+    else:
+        image = loop @ vector
+        assert abs(image[0] * vector[1] - image[1] * vector[0]) < 1e-7 * (1 + np.abs(loop).max())
 
 
 def test_a_thousand_random_odd_loops_close():
