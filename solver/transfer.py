@@ -180,8 +180,8 @@ class Closings:
     Attributes
     ----------
     case : PAIR, two of them; CONTINUATION, a double root; FAMILY, every flap angle; NONE.
-    flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known;
-        empty for FAMILY and NONE.
+    flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known and
+        in rising order elsewhere; empty for FAMILY and NONE.
     start : for each of them the vertex to begin the chain at, and the flap angle there: vertex 0,
         or the last one where the way forwards spreads errors (backwards it contracts them).
     separation : angle between the two roots on the circle, radians (0 for a double root).
@@ -223,6 +223,8 @@ def loop_closings(
     case, roots = Closing.PAIR, [first, second]
     if separation <= _DOUBLE:
         case, roots = Closing.CONTINUATION, [first]
+    if continuation is None:
+        roots.sort(key=lambda root: float(root[1] * np.sign(root[0])), reverse=True)  # by angle
     angles = full_turn(2 * np.arctan2(*np.array(roots).T))
     starts = []
     for root, angle in zip(roots, angles.tolist(), strict=True):

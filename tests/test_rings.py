@@ -43,9 +43,10 @@ def residual(mesh) -> float:
 def test_odd_loops_close_for_exactly_two_flap_angles(seed, half):
     random = np.random.default_rng(seed)
     loop = random_loop(random, 2 * half + 1)
-    front = Front.on_curve(loop, np.pi * random.uniform(0.98, 1.02), closed=True)
+    front = Front.on_curve(loop, np.pi, closed=True)
     closings = front.closings()
     assert closings.case is Closing.PAIR
+    assert closings.flap_angles[0] < closings.flap_angles[1]
     assume(closings.separation > 1e-3)
     for at, flap_angle in closings.start:
         assert front.rays(flap_angle, at=at + 1).closing_error < 1e-10
@@ -54,9 +55,9 @@ def test_odd_loops_close_for_exactly_two_flap_angles(seed, half):
     assert front.rays(middle).closing_error > 1e-6
 
 
-@given(st.lists(st.floats(-3, 3), min_size=4, max_size=4))
+@given(st.lists(st.integers(-12, 12), min_size=4, max_size=4))
 def test_fixed_directions_are_eigenvectors(entries):
-    loop = np.array(entries).reshape(2, 2)
+    loop = np.array(entries, float).reshape(2, 2) / 4
     vector = _fixed_direction(loop)
     if vector is None:
         assert np.abs(np.linalg.eigvals(loop).imag).min() > 0
