@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from strategies import frames, vertices
 
+from solver import Miura
 from solver.errors import InvalidValue, OrigamiError
 from solver.transfer import coupling
 from solver.vectors import angle_between, cross, dot, unit
@@ -113,37 +114,45 @@ def test_self_intersection_agrees_with_crossing_arcs():
     assert 200 < crossed < 3800
 
 
-@given(vertices(), frames(), st.floats(0.1, 3.0))
-def test_special_flap_angles_are_what_they_say(vertex, frame, lift):
+def old_vertex(vertex, frame, lift):
+    """Old creases a, b, c with their sectors theta3, theta4, and k with room to fold."""
     beta, _, flap = vertex
     a, b = frame(beta)
-    n = unit(cross(a, b))
-    c = unit(np.cos(flap) * a + np.sin(flap) * b + lift * n)
-    theta4, theta3 = angle_between(a, c), angle_between(b, c)
+    c = unit(np.cos(flap) * a + np.sin(flap) * b + lift * unit(cross(a, b)))
+    theta3, theta4 = angle_between(b, c), angle_between(a, c)
     k = 2 * np.pi - theta3 - theta4
-    if not beta + 0.02 < k[0] < 2 * np.pi - beta - 0.02:
-        return
+    assume(beta + 0.02 < k[0] < 2 * np.pi - beta - 0.02)
+    return a, b, c, theta3, theta4, k
+
+
+def test_the_flat_foldable_flap_angle_of_a_miura_vertex_continues_the_sheet():
+    mesh = Miura(columns=4, rows=3, fold=np.radians(50)).grow().mesh
+    x, y, z = mesh.vertices_coords[mesh.grid[[1, 0, 2], 2]]
+    a, b = mesh.vertices_coords[mesh.grid[1, [1, 3]]] - x
+    a, b, c = (unit(w[None]) for w in (a, b, y - x))
+    both = np.concatenate(flat_foldable_flap_angles(a, b, c))
+    assert np.abs(both - flap_angle_of(a, b, (z - x)[None])).min() < 1e-12
+
+
+@given(vertices(), frames(), st.floats(0.1, 3.0))
+def test_special_flap_angles_are_what_they_say(vertex, frame, lift):
+    a, b, c, theta3, theta4, k = old_vertex(vertex, frame, lift)
+    n = unit(cross(a, b))
     straight, mirrored = continuation_flap_angles(a, b, c)
     assert growth_direction(a, b, straight, k) == pytest.approx(-c, abs=1e-9)
     image = -c + 2 * dot(c, n)[:, None] * n
     assert growth_direction(a, b, mirrored, k) == pytest.approx(image, abs=1e-9)
     for flat in flat_foldable_flap_angles(a, b, c):
         if np.isfinite(flat[0]) and abs(np.sin(flat[0])) > 1e-3:
-            theta1, theta2 = sector_angles(flat, one(beta), k)
+            theta1, theta2 = sector_angles(flat, angle_between(a, b), k)
             assert theta1 + theta3 == pytest.approx(np.pi, abs=1e-8)
             assert theta2 + theta4 == pytest.approx(np.pi, abs=1e-8)
 
 
 @given(vertices(), frames(), st.floats(0.1, 3.0))
 def test_locked_flap_angles_lay_a_new_face_onto_an_old_one(vertex, frame, lift):
-    beta, _, flap = vertex
-    a, b = frame(beta)
-    n = unit(cross(a, b))
-    c = unit(np.cos(flap) * a + np.sin(flap) * b + lift * n)
-    k = 2 * np.pi - angle_between(a, c) - angle_between(b, c)
-    if not beta + 0.01 < k[0] < 2 * np.pi - beta - 0.01:
-        return
-    left, right = locked_flap_angles(a, b, c, coupling(one(beta), k))
+    a, b, c, _, _, k = old_vertex(vertex, frame, lift)
+    left, right = locked_flap_angles(a, b, c, coupling(angle_between(a, b), k))
     r = growth_direction(a, b, left, k)
     assert abs(dot(unit(cross(a, c)), r)[0]) < 1e-9
     r = growth_direction(a, b, right, k)
