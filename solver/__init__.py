@@ -12,11 +12,12 @@ from solver.designs import (
     TiltedRings,
 )
 from solver.errors import InvalidValue, OrigamiError
+from solver.fitting import fit_surface
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
-from solver.targets import ParametricSurface, explicit_surface
+from solver.targets import ParametricSurface, Target, TurnedTarget, explicit_surface, ray_hit
 
 __all__ = [
     "DESIGNS",
@@ -38,10 +39,14 @@ __all__ = [
     "Stop",
     "Strip",
     "SurfaceFit",
+    "Target",
     "TiltedRings",
+    "TurnedTarget",
     "developability",
     "explicit_surface",
+    "fit_surface",
     "grow",
     "isometry",
     "planarity",
+    "ray_hit",
 ]

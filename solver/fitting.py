@@ -45,6 +45,8 @@ _ROW_STEPS = (1.0, 1.4, 0.7, 2.0, 2.8, 4.0)
 _ENOUGH = 0.95
 # Sample points of the domain, along u and along v, by which coverage is counted.
 _SAMPLES = 100
+# Where points of a face are taken, between its corners, to see whether it reaches into the domain.
+_WITHIN = (0.0, 0.25, 0.5, 0.75, 1.0)
 # Columns added on either side, one number after another, where a trimmed sheet is too narrow.
 _EXTRAS = (1, 2, 4, 8, 16)
 
@@ -202,13 +204,12 @@ class _Follower:
         self.places = places
         self.offset = offset
         self.rows: list[FloatArray] = []  # places of the rows grown
-        self.within = True  # whether any vertex of the row before last lies in the domain
         self.found: dict[int, tuple[float, float]] = {}  # angle and cost by the strip's parity
 
     def choose(self, front: Front, strip: int) -> Strip | Stop:
         """The next strip, for `solver.growth.grow`."""
-        before, self.within = self.within, bool(self.target.inside(self.places).any())
-        if not before and not self.within:
+        middles = self.target.places((self.places[1:, :2] + self.places[:-1, :2]) / 2)
+        if not self.target.inside(np.concatenate([self.places, middles])).any():
             return Stop(Status.COVERED, "The domain is covered.")
         self.offset = -self.offset
         flap_angle = self._flap_angle(front, strip % 2)
@@ -378,10 +379,12 @@ def _trimmed(
         if wider.rank > fit.rank:
             fit = wider
     places = fit.places
-    inside = target.inside(places.reshape(-1, places.shape[2])).reshape(places.shape[:2])
-    middles = (places[:-1, :-1] + places[1:, :-1] + places[:-1, 1:] + places[1:, 1:]) / 4
-    kept = target.inside(target.places(middles[..., :2].reshape(-1, 2))).reshape(middles.shape[:2])
-    kept |= inside[:-1, :-1] | inside[1:, :-1] | inside[:-1, 1:] | inside[1:, 1:]
+    kept = np.zeros((len(places) - 1, places.shape[1] - 1), bool)
+    for s, t in product(_WITHIN, _WITHIN):  # points all over each face
+        lower = (1 - t) * places[:-1, :-1, :2] + t * places[:-1, 1:, :2]
+        upper = (1 - t) * places[1:, :-1, :2] + t * places[1:, 1:, :2]
+        uv = ((1 - s) * lower + s * upper).reshape(-1, 2)
+        kept |= target.inside(target.places(uv)).reshape(kept.shape)
     if not kept.any():
         return fit.growth
     mesh = fit.growth.mesh.with_faces(_one_piece(kept))
