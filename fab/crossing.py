@@ -1,18 +1,17 @@
 """Does the folded sheet pass through itself, and which of its faces cross?
 
-Two faces cross where their interiors have more than touching in common: a segment of the line in
-which their planes meet that runs inside both. On that line a plane face with the plane's other
-face below it looks like this:
+Two faces A and B cross where a segment of the line in which their planes meet runs inside both.
+Seen from the front, with B's plane edge on along the line:
 
-      +---------+              A+   where the face lies just above the other's plane
-      |    A    |              A-   where it lies just below
-    ==+=====+---+=====> line
-            | A |              the face goes through the other's plane where both hold
+      +---------+              A+  the parts of the line that have A just above them
+      |    A    |              A-  the parts that have A just below them
+    --+-----+---+-----> line
+            |   |              A goes through B's plane where A+ and A- hold together
             +---+
 
-so both faces go through each other on A+ and A- and B+ and B- together. Each of the four is told
-by the sides of the polygon that cross the line, taken two by two: faces of any number of corners,
-convex or not, need no triangles.
+and the faces cross where A+, A-, B+ and B- hold together. Each of the four begins or ends where a
+side of the polygon leaves its own half of the drawing, so that faces of any number of corners,
+convex or not, are taken as they are, without triangles.
 """
 
 from __future__ import annotations
@@ -88,9 +87,7 @@ def crossing_faces(
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def _faces(
-    coords: FloatArray, faces_vertices: IntArray, offsets: IntArray
-) -> tuple[_Faces, float]:
+def _faces(coords: FloatArray, faces_vertices: IntArray, offsets: IntArray) -> tuple[_Faces, float]:
     """The faces about the middle of their box, and the diagonal of that box."""
     corners = coords[faces_vertices]
     low, high = corners.min(axis=0), corners.max(axis=0)
