@@ -175,7 +175,7 @@ def new(template: str, out: Path | None) -> None:
     "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
 )
 def check(file: Path, tolerance: float) -> None:
-    """Measure a FOLD file that has a folded frame: planar, developable, isometric, free to fold?"""
+    """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
     with _answers():
         from fab.crossing import crossing_faces
         from fab.fold_file import read_fold

@@ -1,7 +1,7 @@
 """Crossing faces of folded sheets: exact brute force, counted crossings, contacts that are none."""
 
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -26,6 +26,8 @@ OUTLINES = [
     [(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)],
     [(0, 0), (9, 0), (9, 1)],
 ]
+
+UP = np.array([0.0, 0.0, 1.0])
 
 turns = st.integers(0, 2**32 - 1).map(lambda seed: Rotation.random(rng=seed).as_matrix())
 
@@ -65,7 +67,7 @@ def product(p, q):
 
 def normal_of(polygon):
     sides = [minus(p, polygon[0]) for p in polygon]
-    parts = [product(p, q) for p, q in zip(sides, sides[1:], strict=False)]
+    parts = [product(p, q) for p, q in pairwise(sides)]
     return tuple(map(sum, zip(*parts, strict=True)))
 
 
@@ -100,10 +102,7 @@ def cross_exactly(one, two):
                 point = tuple(a + share * (b - a) for a, b in zip(p, q, strict=True))
                 cuts.add((inner(point, line), *point))
     ordered = [cut[1:] for cut in sorted(cuts)]
-    middles = [
-        tuple((a + b) / 2 for a, b in zip(p, q, strict=True))
-        for p, q in zip(ordered, ordered[1:], strict=False)
-    ]
+    middles = [tuple((a + b) / 2 for a, b in zip(p, q, strict=True)) for p, q in pairwise(ordered)]
     return any(
         strictly_inside(point, one, planes[0][0]) and strictly_inside(point, two, planes[1][0])
         for point in middles
@@ -213,14 +212,14 @@ def test_a_sheet_pushed_through_another_crosses_it_along_one_line(turn):
 def test_a_strip_wound_into_a_star_crosses_itself_where_the_star_does(points, step):
     angle = 2 * np.pi * step / points * np.arange(points + 1)
     outline = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
-    found = sheet_crossings([outline, outline + [0.0, 0.0, 0.3]])
+    found = sheet_crossings(np.stack([outline, outline + UP]))
     assert len(found) == points * (step - 1)
 
 
 def test_a_wound_strip_that_keeps_clear_of_itself_does_not_cross():
     angle = np.linspace(0, 8 * np.pi, 200)
     spiral = np.stack([angle * np.cos(angle), angle * np.sin(angle), 0 * angle], axis=-1)
-    assert len(sheet_crossings([spiral, spiral + [0.0, 0.0, 5.0]])) == 0
+    assert len(sheet_crossings(np.stack([spiral, spiral + UP]))) == 0
 
 
 def miura(columns, rows, fold, sector=np.pi / 3):
@@ -244,7 +243,7 @@ def test_a_miura_sheet_crosses_itself_at_no_fold(fold, sector, turn):
 @given(turns, st.floats(-14, -11))
 def test_layers_of_a_flat_folded_sheet_in_contact_do_not_cross(turn, noise):
     flat = miura(6, 5, np.pi / 2)
-    wing = flat[-1:] + [0.0, 0.3, 2.0]  # one more row, that stands off the stack
+    wing = flat[-1:] + np.array([2.0, 0.3, 0.0])  # one more row, that stands off the stack
     rows = np.concatenate([flat, wing]) @ turn.T
     rows += 10**noise * np.random.default_rng(0).normal(size=rows.shape)
     assert len(sheet_crossings(rows)) == 0
