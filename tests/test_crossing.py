@@ -249,6 +249,27 @@ def test_layers_of_a_flat_folded_sheet_in_contact_do_not_cross(turn, noise):
     assert len(sheet_crossings(rows)) == 0
 
 
+@pytest.mark.parametrize("width", [1e-2, 1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("noise", [0.0, 1e-14, 1e-12])
+def test_needles_that_lie_on_one_another_do_not_cross(width, noise):
+    rng = np.random.default_rng(0)
+    angle, middle = rng.random((100, 1)) * np.pi, rng.random((100, 2))
+    along = np.hstack([np.cos(angle), np.sin(angle)])
+    across = width * np.hstack([-np.sin(angle), np.cos(angle)])
+    flat = middle[:, None] + np.stack([-along, along, along + across, across - along], axis=1)
+    needles = np.concatenate([flat, np.zeros((100, 4, 1))], axis=2)
+    needles += noise * rng.normal(size=needles.shape)
+    wing = np.array([[5.0, 5, 5], [6, 5, 5], [6, 6, 7], [5, 6, 7]])
+    turned = np.concatenate([needles, wing[None]]) @ Rotation.random(rng=1).as_matrix()
+    assert crossings_of(turned) == set()
+
+
+def test_needles_that_pierce_one_another_cross():
+    lying = [(-1, -1e-4, 0), (1, -1e-4, 0), (1, 1e-4, 0), (-1, 1e-4, 0)]
+    upright = [(0.3, -1, -1e-4), (0.3, 1, -1e-4), (0.3, 1, 1e-4), (0.3, -1, 1e-4)]
+    assert crossings_of([lying, upright]) == {(0, 1)}
+
+
 @pytest.mark.parametrize(("depth", "count"), [(1e-11, 0), (1e-8, 2), (1e-3, 2), (-1e-3, 0)])
 def test_a_roof_that_stands_on_a_sheet_crosses_it_once_it_dips_in_by_more_than_rounding(
     depth, count
