@@ -302,6 +302,14 @@ def test_pairs_are_sorted_and_the_same_for_any_order_of_faces():
     )
 
 
+def test_looking_up_few_faces_at_a_time_changes_nothing(monkeypatch):
+    triangles = np.random.default_rng(5).normal(size=(100, 3, 3))
+    expected = crossings_of(triangles)
+    monkeypatch.setattr("fab.crossing._FACES_AT_ONCE", 7)
+    assert len(expected) > 200
+    assert crossings_of(triangles) == expected
+
+
 def test_a_face_without_area_crosses_nothing():
     assert (
         crossings_of([[(0, 0, 0), (2, 0, 0), (0, 2, 0)], [(1, 1, -1), (0, 0, 0), (-1, -1, 1)]])
