@@ -175,10 +175,16 @@ def new(template: str, out: Path | None) -> None:
     "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
 )
 def check(file: Path, tolerance: float) -> None:
-    """Measure a FOLD file that has a folded frame: planar, developable, isometric?"""
+    """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
     with _answers():
+        from fab.crossing import crossing_faces
         from fab.fold_file import read_fold
-        from fab.inspection import inspect_accuracy, inspect_angles, measure_pattern
+        from fab.inspection import (
+            inspect_accuracy,
+            inspect_angles,
+            inspect_crossings,
+            measure_pattern,
+        )
 
         if not math.isfinite(tolerance):
             raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
@@ -192,6 +198,9 @@ def check(file: Path, tolerance: float) -> None:
             angles = inspect_angles(pattern)
         except InvalidValue as error:
             raise InvalidFile(f"{file}: {error}") from error
+        crossings = crossing_faces(
+            pattern.folded_coords, pattern.faces_vertices, pattern.faces_offsets
+        )
         counts = pattern.counts()
         _say(f"vertices            {len(pattern.vertices_coords)}")
         _say(f"faces               {pattern.face_count}")
@@ -199,7 +208,8 @@ def check(file: Path, tolerance: float) -> None:
         _say(f"planarity           {accuracy.planarity_max:.3e}")
         _say(f"developability      {accuracy.developability_max_rad:.3e} rad")
         _say(f"isometry            {accuracy.isometry_max_rel:.3e}")
-        findings = inspect_accuracy(accuracy, tolerance) + angles
+        _say(f"crossings           {len(crossings)}")
+        findings = inspect_accuracy(accuracy, tolerance) + angles + inspect_crossings(crossings)
         _tell(findings)
     sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
 

@@ -20,6 +20,10 @@ from solver.vectors import ComplexArray, FloatArray, IntArray, cross, norm, unit
 __all__ = ["Development", "develop", "overlapping_faces"]
 
 
+# Faces that lie on each other by less than this share of the sheet's diagonal are in contact.
+_CONTACT_REL = 1e-9
+
+
 @dataclass(frozen=True)
 class Development:
     """A sheet unfolded into the plane, its faces counterclockwise seen from +z.
@@ -179,6 +183,8 @@ def _upright(flat: FloatArray) -> FloatArray:
 def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArray:
     """Pairs of faces whose interiors overlap in the plane, shape (n, 2).
 
+    Overlaps no deeper than 1e-9 of the sheet's diagonal are contact, not overlap.
+
     A sheet of one piece whose faces all turn the same way and whose outline does not cross itself
     cannot overlap; only where that fails are the faces compared pair by pair.
     """
@@ -192,17 +198,14 @@ def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArr
 
 def _overlapping_pairs(flat: FloatArray, faces: IntArray) -> Iterator[tuple[int, int]]:
     shapes = shapely.polygons(flat[faces])
-    tree = shapely.STRtree(shapes)
-    one, two = tree.query(shapes, predicate="intersects")
-    keep = one < two
-    one, two = one[keep], two[keep]
     valid = shapely.is_valid(shapes)
     for face in np.flatnonzero(~valid).tolist():
         yield face, face
-    both = valid[one] & valid[two]
-    one, two = one[both], two[both]
-    common = shapely.area(shapely.intersection(shapes[one], shapes[two]))
-    # rounding makes neighbours share slivers; a real overlap has area against the smaller face
-    smaller = np.minimum(shapely.area(shapes[one]), shapely.area(shapes[two]))
-    hit = common > 1e-9 * smaller
-    yield from zip(one[hit].tolist(), two[hit].tolist(), strict=True)
+    plain = np.flatnonzero(valid)
+    # rounding lays neighbours on each other by slivers: a face overlaps what it meets when shrunk.
+    # A yes or no about two shapes is exact, where their common area may fail to be built.
+    contact = _CONTACT_REL * float(np.hypot(*np.ptp(flat[faces].reshape(-1, 2), axis=0)))
+    shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
+    one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
+    pairs = np.unique(np.sort(np.column_stack([one, two])[one != two], axis=1), axis=0)
+    yield from map(tuple, pairs.tolist())

@@ -25,6 +25,7 @@ __all__ = [
     "SolidFigures",
     "inspect_accuracy",
     "inspect_angles",
+    "inspect_crossings",
     "inspect_solids",
     "measure_pattern",
 ]
@@ -118,6 +119,26 @@ def inspect_angles(pattern: CreasePattern) -> list[Finding]:
             f"degrees; worst is edge {worst}: {pattern.edges_foldAngle[worst]:.6g} stored, "
             f"{measured[worst]:.6g} folded.",
             creases=tuple(wrong[:20].tolist()),
+        )
+    ]
+
+
+def inspect_crossings(crossings: IntArray) -> list[Finding]:
+    """A finding where faces of the folded form cross: pairs of `fab.crossing`, shape (n, 2).
+
+    A warning: the flat files are as good as ever, but what is folded from them stops short.
+    """
+    if not len(crossings):
+        return []
+    one, two = crossings[0]
+    return [
+        Finding(
+            "sheet-crosses-itself",
+            Severity.WARNING,
+            f"the folded sheet passes through itself: {len(crossings)} pairs of faces cross, the "
+            f"first are {one} and {two}. The flat sheet can be cut, but no sheet can fold to the "
+            "whole of this shape: grow fewer strips, or change flap angles or lengths.",
+            panels=tuple(sorted({int(face) for face in crossings[:10].ravel()})),
         )
     ]
 

@@ -26,11 +26,12 @@ from pathlib import Path
 from typing import Any
 
 from fab.crease import CreasePattern, crease_pattern
+from fab.crossing import crossing_faces
 from fab.development import Development, develop
 from fab.errors import Finding, InvalidJob, Severity
 from fab.fold_file import fold_bytes
 from fab.hinges import make_webs
-from fab.inspection import inspect_accuracy, inspect_solids, measure_pattern
+from fab.inspection import inspect_accuracy, inspect_crossings, inspect_solids, measure_pattern
 from fab.job import Job, design_key
 from fab.panels import make_panels
 from fab.perforation import perforate
@@ -111,6 +112,10 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     with clock.stage("measure"):
         accuracy = measure_pattern(pattern)
         findings += inspect_accuracy(accuracy, job.tolerance)
+    with clock.stage("cross"):
+        folded = mesh.vertices_coords
+        crossings = crossing_faces(folded, pattern.faces_vertices, pattern.faces_offsets)
+        findings += inspect_crossings(crossings)
 
     files: dict[str, bytes] = {}
     boxes = {
@@ -145,6 +150,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
             "creases": pattern.counts(),
         },
         **{key: _number(value) for key, value in dataclasses.asdict(accuracy).items()},
+        "crossings": len(crossings),
         "bounding_box_mm": boxes,
         "solids": solids,
         "outputs": [

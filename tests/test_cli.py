@@ -102,6 +102,7 @@ def test_check_measures_a_fold_file(here):
     result = run("check", "good.fold")
     assert result.exit_code == 0, result.output
     assert "M:76 V:66 F:0 B:36" in result.output
+    assert "crossings           0" in result.output
     document = json.loads((here / "good.fold").read_text())
     document["file_frames"][0]["vertices_coords"][20][2] += 0.5
     (here / "bent.fold").write_text(json.dumps(document))
@@ -114,6 +115,15 @@ def test_check_measures_a_fold_file(here):
     result = run("check", "flat.fold")
     assert result.exit_code == 2
     assert "no folded frame" in result.output
+
+
+def test_a_sheet_that_crosses_itself_is_warned_of_when_made_and_when_checked(here):
+    made = run("run", TEMPLATES / "random_tube.toml", "--only", "fold")
+    checked = run("check", "random_tube.fold")
+    for result in (made, checked):
+        assert result.exit_code == 0, result.output
+        assert "warning: sheet-crosses-itself" in result.output
+    assert "crossings           30" in checked.output
 
 
 def test_the_laser_path_imports_no_cad_kernel(here):

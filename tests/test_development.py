@@ -7,11 +7,13 @@ import pytest
 import shapely
 from helpers import published, turned_onto
 from hypothesis import given
+from hypothesis import strategies as st
 from strategies import patches
 
 from fab.development import develop, overlapping_faces
 from fab.polygons import ring_areas
 from solver import CurvedFold, InvalidValue, Miura, QuadMesh
+from solver.mesh import edges_of
 
 
 def test_f4d_unfolds_to_the_published_flat_shape():
@@ -65,6 +67,65 @@ def test_overlaps_agree_with_brute_force(mesh):
         if shapes[i].intersection(shapes[j]).area > 1e-9 * min(shapes[i].area, shapes[j].area)
     }
     assert {tuple(pair) for pair in development.overlaps.tolist()} == expected
+
+
+# Quads whose corners differ in their last digits; their common area was once built as 0.
+NEARLY_ALIKE = [
+    (
+        [
+            [0.01749300125033586, 0.12623715655015433],
+            [1.1635454324189718, 0.34563661157502557],
+            [1.3810009895736624, 1.1085015537874856],
+            [0.7333583067370528, 0.4919130529163689],
+        ],
+        [
+            [0.017493001250336593, 0.12623715655015472],
+            [1.1635454324189713, 0.34563661157502573],
+            [1.381000989573662, 1.1085015537874852],
+            [0.7333583067370529, 0.4919130529163689],
+        ],
+    ),
+    (
+        [
+            [0.3200678393079566, 0.10502161439569223],
+            [1.045130287916972, 0.32078226763855117],
+            [1.0874835313158697, 1.0888497640887347],
+            [0.3033433236635886, 1.3907404858476884],
+        ],
+        [
+            [0.32006783930795674, 0.10502161439569246],
+            [1.045130287916972, 0.3207822676385513],
+            [1.0874835313158697, 1.0888497640887347],
+            [0.30334332366358874, 1.3907404858476882],
+        ],
+    ),
+]
+
+
+def overlaps_of(one, two):
+    faces = np.arange(8).reshape(2, 4)
+    edges = edges_of(faces.ravel(), np.array([0, 4, 8]))
+    return overlapping_faces(np.concatenate([one, two]), faces, edges).tolist()
+
+
+@pytest.mark.parametrize(("one", "two"), NEARLY_ALIKE)
+def test_faces_alike_but_for_their_last_digits_overlap(one, two):
+    assert overlaps_of(one, two) == overlaps_of(two, one) == [[0, 1]]
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(-16, -8))
+def test_a_face_within_another_overlaps_it_however_close_they_are(seed, closeness):
+    rng = np.random.default_rng(seed)
+    outer = rng.random((4, 2)) * 0.4 + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    middle = outer.mean(axis=0)
+    inner = middle + (outer - middle) * (1 - 10**closeness)
+    assert overlaps_of(outer, inner) == [[0, 1]]
+
+
+@pytest.mark.parametrize(("depth", "count"), [(1e-11, 0), (1e-8, 1), (0.5, 1), (-0.1, 0)])
+def test_faces_that_overlap_by_less_than_rounding_are_in_contact(depth, count):
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    assert len(overlaps_of(square, square + np.array([1 - depth, 0.3]))) == count
 
 
 def test_the_published_curved_fold_overlaps_itself_and_says_where():

@@ -7,7 +7,14 @@ import pytest
 
 from fab.crease import crease_pattern
 from fab.development import develop
-from fab.inspection import Accuracy, inspect_accuracy, inspect_angles, measure_pattern
+from fab.errors import Severity
+from fab.inspection import (
+    Accuracy,
+    inspect_accuracy,
+    inspect_angles,
+    inspect_crossings,
+    measure_pattern,
+)
 from solver import Miura
 
 
@@ -69,3 +76,13 @@ def test_a_flipped_crease_is_caught_and_named(pattern):
 def test_what_is_not_a_number_is_an_error():
     found = inspect_accuracy(Accuracy(float("nan"), 0.0, float("inf")), 1.0)
     assert codes(found) == ["not-planar", "not-isometric"]
+
+
+def test_crossings_are_one_warning_that_counts_all_and_names_the_first():
+    assert inspect_crossings(np.empty((0, 2), np.int64)) == []
+    pairs = np.column_stack([np.arange(12), np.arange(12) + 20])
+    (finding,) = inspect_crossings(pairs)
+    assert (finding.code, finding.severity) == ("sheet-crosses-itself", Severity.WARNING)
+    assert "12 pairs" in finding.text
+    assert "0 and 20" in finding.text
+    assert finding.panels == (*range(10), *range(20, 30))

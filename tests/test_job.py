@@ -42,6 +42,9 @@ def test_every_template_is_exact_and_without_errors(name):
     assert report["planarity_max"] <= 1e-12
     assert report["developability_max_rad"] <= 1e-12
     assert report["isometry_max_rel"] <= 1e-11
+    assert report["crossings"] == {"random_tube": 30}.get(name, 0)
+    said = [finding.code for finding in made.findings]
+    assert ("sheet-crosses-itself" in said) == (name == "random_tube")
     wanted = load_job(TEMPLATES / f"{name}.toml").outputs
     assert sorted(made.files) == sorted([*(f"{name}.{f}" for f in wanted), "report.json"])
     assert json.loads(made.files["report.json"])["job"]["name"] == name
