@@ -3,11 +3,13 @@
 from solver.designs import (
     DESIGNS,
     BrownianRibbon,
+    ClosedCurvedFold,
     Crumpled,
     CurvedFold,
     Design,
     Miura,
     RandomTube,
+    ShapedRibbon,
     SurfaceFit,
     TiltedRings,
 )
@@ -21,6 +23,7 @@ from solver.targets import ParametricSurface, explicit_surface
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "ClosedCurvedFold",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -33,6 +36,7 @@ __all__ = [
     "QuadMesh",
     "RandomTube",
     "Rays",
+    "ShapedRibbon",
     "Side",
     "Status",
     "Stop",
