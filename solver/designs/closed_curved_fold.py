@@ -37,7 +37,7 @@ class ClosedCurvedFold:
     pi - alpha + delta: once around an even zigzag it comes back for all flap angles, where the
     deltas add up to nothing with alternating signs, or else for none. The half turn that takes the
     curves onto themselves sees to the former. With any other k alike at all vertices a plane
-    zigzag closes lying flat alone; an odd one closes for two flap angles, both nearly flat.
+    zigzag closes lying flat alone; one of odd count, half twisted, lies flat somewhere.
     Later strips close for two: one continues the faces behind, the other one, taken here, folds.
 
     Attributes
