@@ -22,7 +22,7 @@ Outline = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 
 # Walks are drawn anew until every vertex has this much room to fold, in radians.
 _DRAWS = 2000
-_ROOM = 1e-2
+_ROOM = 1e-3
 
 
 def _ellipse(t: FloatArray) -> tuple[ComplexArray, ComplexArray]:
