@@ -69,8 +69,8 @@ class CurvedFold:
         require_length("step", self.step)
         require_length("crease_length", self.crease_length)
         require_length("zigzag", abs(self.zigzag))
-        i = np.arange(self.columns + 1)
-        x, y = CURVES[self.curve](-1 + i * self.step, self.zigzag * (-1.0) ** i)
+        i: FloatArray = np.arange(self.columns + 1.0)
+        x, y = CURVES[self.curve](-1.0 + i * self.step, self.zigzag * (-1.0) ** i)
         seed = seeds.curve(np.column_stack([x, y, np.zeros_like(x)]))
 
         def choose(_front: Front, _strip: int) -> Strip:

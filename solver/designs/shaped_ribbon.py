@@ -106,7 +106,7 @@ class ShapedRibbon:
 
 
 def _room_to_fold(walk: FloatArray, outline: Outline) -> FloatArray | None:
-    """k of the walk unfolded onto the outline; None without beta < k < 2 pi - beta everywhere."""
+    """Angles k of the walk on the outline; None without beta < k < 2 pi - beta everywhere."""
     edges = np.diff(walk, axis=0)
     points = chords(outline, norm(edges))
     if points is None:
