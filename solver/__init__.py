@@ -3,11 +3,13 @@
 from solver.designs import (
     DESIGNS,
     BrownianRibbon,
+    ClosedCurvedFold,
     Crumpled,
     CurvedFold,
     Design,
     Miura,
     RandomTube,
+    ShapedRibbon,
     SurfaceFit,
     TiltedRings,
 )
@@ -22,6 +24,7 @@ from solver.targets import ParametricSurface, Target, TurnedTarget, explicit_sur
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "ClosedCurvedFold",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -34,6 +37,7 @@ __all__ = [
     "QuadMesh",
     "RandomTube",
     "Rays",
+    "ShapedRibbon",
     "Side",
     "Status",
     "Stop",

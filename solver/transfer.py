@@ -210,6 +210,9 @@ def loop_closings(
     """
     loop, determinant = _loop_matrix(couplings, deltas)
     size = float(np.abs(loop).max())
+    # before roots are looked for: rounding makes those of a matrix this near complex
+    if np.abs(loop - np.trace(loop) / 2 * np.eye(2)).max() <= _SAME * size * len(couplings):
+        return Closings(Closing.FAMILY, np.empty(0), (), math.nan)
     if continuation is None:
         first = _fixed_direction(loop)
         if first is None:
@@ -219,8 +222,6 @@ def loop_closings(
     # for a 2x2 matrix with the eigenvector v1, the columns of P - lambda1 I are along the other one
     rest = loop - (first @ loop @ first) * np.eye(2)
     column = rest[:, int(np.argmax(np.abs(rest).max(axis=0)))]
-    if np.abs(column).max() <= _SAME * size * len(couplings):
-        return Closings(Closing.FAMILY, np.empty(0), (), math.nan)
     second = column / math.hypot(*column)
     separation = 2 * math.asin(min(1.0, abs(float(first[0] * second[1] - first[1] * second[0]))))
     case, roots = Closing.PAIR, [first, second]

@@ -16,7 +16,15 @@ TEMPLATES = ROOT / "templates"
 REFERENCE = ROOT.parent / "shared" / "reference"
 
 TEMPLATE_NAMES = sorted(path.stem for path in TEMPLATES.glob("*.toml"))
-GRIDS = {"F4D": (11, 101), "F4E": (41, 21), "F4F": (2, 401), "peaks_coarse": (34, 41)}
+# Rings are written with their first two vertices again at the end of each row.
+GRIDS = {
+    "F4B": (82, 6),
+    "F4C": (19, 102),
+    "F4D": (11, 101),
+    "F4E": (41, 21),
+    "F4F": (2, 401),
+    "peaks_coarse": (34, 41),
+}
 
 
 def published(name: str, state: str) -> np.ndarray:

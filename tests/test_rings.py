@@ -196,6 +196,8 @@ def test_brownian_ribbons_lie_flat_between_two_circles(steps):
     assert len(mesh.faces_vertices) == steps
     assert residual(mesh) < 1e-12
     development = develop(mesh)
+    # rounding of coordinates over the ribbon's width, which is below their ten-millionth at last
+    assert development.isometry_max_rel < (1e-10 if steps <= 1000 else 1e-9)
     flat = development.vertices_coords
     # the centre of the circle through three vertices of the walk
     p = flat[mesh.grid[0, [0, steps // 3, (2 * steps) // 3]]]

@@ -3,33 +3,49 @@
 from __future__ import annotations
 
 from solver.designs.brownian_ribbon import BrownianRibbon
+from solver.designs.closed_curved_fold import ClosedCurvedFold
 from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
 from solver.designs.random_tube import RandomTube
+from solver.designs.shaped_ribbon import ShapedRibbon
 from solver.designs.surface_fit import SurfaceFit
 from solver.designs.tilted_rings import TiltedRings
 
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "ClosedCurvedFold",
     "Crumpled",
     "CurvedFold",
     "Design",
     "Miura",
     "RandomTube",
+    "ShapedRibbon",
     "SurfaceFit",
     "TiltedRings",
 ]
 
-Design = BrownianRibbon | Crumpled | CurvedFold | Miura | RandomTube | SurfaceFit | TiltedRings
+Design = (
+    BrownianRibbon
+    | ClosedCurvedFold
+    | Crumpled
+    | CurvedFold
+    | Miura
+    | RandomTube
+    | ShapedRibbon
+    | SurfaceFit
+    | TiltedRings
+)
 
 DESIGNS: dict[str, type[Design]] = {
     "brownian_ribbon": BrownianRibbon,
+    "closed_curved_fold": ClosedCurvedFold,
     "crumpled": Crumpled,
     "curved_fold": CurvedFold,
     "miura": Miura,
     "random_tube": RandomTube,
+    "shaped_ribbon": ShapedRibbon,
     "surface_fit": SurfaceFit,
     "tilted_rings": TiltedRings,
 }
