@@ -138,9 +138,7 @@ def _tried(
     return ((zigzags[z], row_steps[r]) for z, r in sorted(pairs, key=lambda p: (sum(p), p)))
 
 
-def _grown(
-    target: Target, setting: _Setting, progress: Callable[[int, int], None] | None
-) -> _Fit:
+def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], None] | None) -> _Fit:
     """A sheet grown both ways from a seed along u = 0."""
     m, extra = setting.columns, setting.extra
     v = 2 / m * np.arange(-extra, m + extra + 1) - 1.0
