@@ -11,7 +11,7 @@ Source: supplementary information of "An additive algorithm for origami design",
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -66,6 +66,16 @@ class Rays:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
         each = np.asarray(lengths, float)
         return self.vertices_coords + (each[:, None] if each.ndim else each) * self.directions
+
+    def between(self, first: int, last: int) -> Rays:
+        """The rays of the vertices first to last - 1; all their flap angles stay."""
+        part = slice(first, last)
+        return replace(
+            self,
+            vertices_coords=self.vertices_coords[part],
+            directions=self.directions[part],
+            length_bounds=self.length_bounds[part],
+        )
 
 
 @dataclass(frozen=True)
