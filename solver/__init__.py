@@ -1,8 +1,10 @@
 """Geometry of quad origami: seeds, growth strip by strip, and what the result measures."""
 
+from solver.corner import CornerStrip, grow_corner, grow_part, grow_pentagon
 from solver.designs import (
     DESIGNS,
     BrownianRibbon,
+    CorneredMiura,
     Crumpled,
     CurvedFold,
     Design,
@@ -21,6 +23,8 @@ from solver.targets import ParametricSurface, explicit_surface
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "CornerStrip",
+    "CorneredMiura",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -42,6 +46,9 @@ __all__ = [
     "developability",
     "explicit_surface",
     "grow",
+    "grow_corner",
+    "grow_part",
+    "grow_pentagon",
     "isometry",
     "planarity",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from solver.designs.brownian_ribbon import BrownianRibbon
+from solver.designs.cornered_miura import CorneredMiura
 from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
@@ -13,6 +14,7 @@ from solver.designs.tilted_rings import TiltedRings
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "CorneredMiura",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -22,10 +24,20 @@ __all__ = [
     "TiltedRings",
 ]
 
-Design = BrownianRibbon | Crumpled | CurvedFold | Miura | RandomTube | SurfaceFit | TiltedRings
+Design = (
+    BrownianRibbon
+    | CorneredMiura
+    | Crumpled
+    | CurvedFold
+    | Miura
+    | RandomTube
+    | SurfaceFit
+    | TiltedRings
+)
 
 DESIGNS: dict[str, type[Design]] = {
     "brownian_ribbon": BrownianRibbon,
+    "cornered_miura": CorneredMiura,
     "crumpled": Crumpled,
     "curved_fold": CurvedFold,
     "miura": Miura,
