@@ -103,6 +103,13 @@ def grow_part(
             f"name two vertices of the front, 0 to {len(front) - 1}, with none missing between",
             "Give the numbers of its first and last vertex, from left to right.",
         )
+    if last - first < 2 and strips > 1:
+        raise InvalidValue(
+            "part",
+            part,
+            "have 3 vertices or more where more than one strip is grown",
+            "On a part of one quad a second strip has no interior crease.",
+        )
     beyond = (
         int(first > 0 and front[first - 1] >= 0),
         int(last + 1 < len(front) and front[last + 1] >= 0),
