@@ -1,13 +1,13 @@
 """How does a patch grow on a part of its front, and around the concave corner which that leaves?
 
-     L---q3--o           x       the concave corner: three faces, and room for a fourth one
-     |   |   |           left    the arm x q2' .. L, here upwards; right: the arm x p .. R
+     o---L---o           x       the concave corner: three faces, and room for a fourth one
+     |   |   |           arms    x q q2 .. L, the left one, and x p p2 .. R, the right one
      o---q2--w'          z       where the creases from p and q meet: a matched corner. The new
-     |   |   |                   front has its own corner there, until the arms are used up
+     |   |   |                   front has its own corner there, until an arm is used up
      o---q---z---w---o
-     |   |   |   |   |           unmatched, both creases end before they meet: the corner's face is
-     o---x---p---p2--R           the pentagon x p z2 z1 q, and the new front L' .. z1 z2 .. R' has
-     |   |   |   |   |           no corner
+     |   |   |   |   |           unmatched, both creases end before they meet, at z1 and z2: the
+     o---x---p---p2--R           corner's face is the pentagon x p z2 z1 q, and the new front, past
+     |   |   |   |   |           w' z1 z2 w, has no corner
      o---o---o---o---o
 
 The strip that makes the first arm ends at x with the crease of a full strip, so that the fourth
@@ -200,7 +200,8 @@ def grow_pentagon(mesh: QuadMesh, strip: CornerStrip, *, side: Side = Side.TOP) 
     lengths = lengths_along(strip.lengths, rays)
     trouble = length_trouble(lengths, rays)
     if trouble is not None:
-        _refuse_length(lengths, *trouble)
+        i, _, bound = trouble
+        raise _bad_length(lengths, i, bound)
     count = len(mesh.vertices_coords)
     behind = np.concatenate([corner.left[::-1], corner.right])
     new = count + np.arange(len(behind))
@@ -283,9 +284,9 @@ def _growth(mesh: QuadMesh, strips: int, stop: Stop | None) -> Growth:
     return Growth(mesh, strips, stop.status, stop.advice)
 
 
-def _refuse_length(lengths: FloatArray, i: int, _status: Status, bound: str) -> None:
-    advice = f"Around the corner, at new crease {i} the length must {bound}."
-    raise InvalidValue(f"length[{i}]", lengths[i], bound, advice)
+def _bad_length(lengths: FloatArray, i: int, bound: str) -> InvalidValue:
+    advice = "Lengths are counted from the far end of the left arm to that of the right arm."
+    return InvalidValue(f"length[{i}]", lengths[i], bound, advice)
 
 
 def _with_matched(mesh: QuadMesh, side: Side, row: FloatArray) -> QuadMesh:
@@ -315,30 +316,32 @@ def _matched_row(
             "the creases from the corner's neighbours do not meet. Leave a pentagon.",
         )
     lengths = lengths_along(choice.lengths, rays).copy()
-    fixed = [q, p]
-    lengths[fixed] = meeting
-    z = (x[fixed] + lengths[fixed, None] * r[fixed]).mean(axis=0)
-    if min(len(corner.left), len(corner.right)) > 1:
-        fixed = [q - 1, q, p]
-        length = _matching_length(
-            x[q - 1 : p + 1], z, r[q - 1], x[p + 1] + lengths[p + 1] * r[p + 1]
-        )
-        if isinstance(length, Stop):
-            return length
-        lengths[q - 1] = length
+    again = min(len(corner.left), len(corner.right)) > 1  # z is a corner in its turn
+    fixed = [q - 1, q, p] if again else [q, p]
+    lengths[fixed] = np.minimum(1.0, arm_bounds[fixed]) / 2  # until they are known
     trouble = length_trouble(lengths, replace(rays, length_bounds=arm_bounds))
     if trouble is not None:
         i, status, bound = trouble
-        if i in fixed:
+        if strip == 0:
+            raise _bad_length(lengths, i, bound)
+        return Stop(status, f"at new crease {i} the length must {bound}.")
+    lengths[[q, p]] = meeting
+    row = rays.row(lengths)
+    z = row[[q, p]].mean(axis=0)
+    if again:
+        length = _matching_length(x[q - 1 : p + 1], z, r[q - 1], row[p + 1])
+        if isinstance(length, Stop):
+            return length
+        lengths[q - 1] = length
+    for i in fixed:
+        if lengths[i] >= arm_bounds[i]:
             return Stop(
                 Status.CORNER_NOT_MATCHED,
-                f"the corner fixes the length of new crease {i} to {lengths[i]:.9g}, which must "
-                f"{bound}. Leave a pentagon, or choose other lengths beside it.",
+                f"the corner fixes the length of new crease {i} to {lengths[i]:.9g}, beyond "
+                f"{arm_bounds[i]:.9g}, where it meets its neighbour. Leave a pentagon, or choose "
+                "other lengths beside it.",
             )
-        if strip == 0:
-            _refuse_length(lengths, *trouble)
-        return Stop(status, f"at new crease {i} the length must {bound}.")
-    row = x + lengths[:, None] * r
+    row = rays.row(lengths)
     row[q] = z
     return np.delete(row, p, axis=0)
 
@@ -351,10 +354,8 @@ def _matching_length(
     arms : q2, q and p, shape (3, 3); direction : of the crease from q2; w : new vertex at p2.
     """
     q2, q, p = arms
-    try:
-        front = Front.between(np.stack([q, z, w]), np.stack([q, p, w]))
-    except InvalidValue as error:
-        return Stop(Status.CORNER_NOT_MATCHED, f"the matched corner has no room to fold: {error}")
+    # three creases that are not in one plane always leave room for the fourth
+    front = Front.between(np.stack([q, z, w]), np.stack([q, p, w]))
     a, b = -front.edges_direction[:1], front.edges_direction[1:]
     rays = front.rays(float(flap_angle_of(a, b, (q2 - q)[None])[0]))
     if front.self_intersections(rays.flap_angles[:, None]).any():
@@ -427,7 +428,7 @@ def _arm_rays(
             across if angle is None else boundary_ray(unit(x[0] - x[1]), across, angle, which)[0]
         )
         return Rays(x[1:], direction[None], (np.empty(0), np.empty(0)), np.array([np.inf]))
-    require_convex(x, y) if which == "right" else require_convex(x[::-1], y[::-1])
+    require_convex(x, y)
     try:
         front = Front.between(x, y)
     except InvalidValue as error:

@@ -1,5 +1,6 @@
 """Growth around a concave corner: exactness, a known sheet regrown, and what is refused."""
 
+import json
 import re
 from dataclasses import replace
 from itertools import combinations, pairwise
@@ -7,6 +8,7 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 import shapely
+from helpers import made_template
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -391,6 +393,10 @@ def part_of(mesh: QuadMesh, part, **choice):
             lambda: grow_corner(with_hole(ROWS, 2, 3), 1, lambda i: CornerStrip(-1.0)),
             r"length\[\d\].*greater than 0",
         ),
+        (
+            lambda: grow_corner(with_hole(ROWS, 2, 3), 1, lambda i: CornerStrip(np.nan)),
+            r"length\[0\].*greater than 0",
+        ),
         (lambda: grow(with_hole(ROWS, 2, 3), 1, lambda f, i: Strip(1.0, 0.1)), "end to end"),
         (lambda: part_of(QuadMesh.from_rows(ROWS[:2]), (0, 7)), "part"),
         (lambda: part_of(QuadMesh.from_rows(ROWS[:2]), (2, 2)), "part"),
@@ -422,7 +428,7 @@ def test_misuse_is_named(act, message):
         (74, Status.CORNER_NOT_CONVEX, 0, "points back into the corner"),
         (7, Status.CORNER_NOT_CONVEX, 1, "Strip 2 of 3: .* points back"),
         (11, Status.CORNER_NOT_MATCHED, 0, "no length beside the corner"),
-        (13, Status.CORNER_NOT_MATCHED, 0, "new crease 3 to 1.27449389, which must be below"),
+        (13, Status.CORNER_NOT_MATCHED, 0, "new crease 3 to 1.27449389, beyond"),
         (104, Status.CORNER_NOT_MATCHED, 1, "neighbours do not meet"),
         (14, Status.FACES_CROSS, 0, "cross at the matched corner"),
         (44, Status.FACES_CROSS, 0, "behind the left arm, at vertex 2"),
@@ -482,6 +488,23 @@ def test_faces_of_any_size_that_overlap_are_found_as_by_brute_force():
     found = overlapping_faces(flat, corners, offsets, mesh.edges)
     assert {tuple(pair) for pair in found.tolist()} == expected
     assert sum(len(shapes) - 1 in pair for pair in expected) > 3
+
+
+def test_the_design_tells_its_progress_and_may_end_with_the_pentagon():
+    told = []
+    CorneredMiura(strips=3).grow(lambda *steps: told.append(steps))
+    assert told == [(1, 3), (2, 3), (3, 3)]
+    growth = CorneredMiura(strips=1).grow()
+    assert (growth.status, growth.strips) == (Status.GROWN, 1)
+    assert growth.mesh.grid.shape == (2, 12)
+
+
+def test_files_of_the_design_have_the_pentagon():
+    made = made_template("cornered_miura")
+    document = json.loads(made.files["cornered_miura.fold"])
+    assert sorted({len(face) for face in document["faces_vertices"]}) == [4, 5]
+    assert sum(len(face) == 5 for face in document["faces_vertices"]) == 1
+    assert made.report["solids"]["panels"] == len(document["faces_vertices"]) == 97
 
 
 @pytest.mark.parametrize(

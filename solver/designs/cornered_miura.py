@@ -65,7 +65,15 @@ class CorneredMiura:
             strip = CornerStrip(self._lengths)
             return grow_corner(cornered, self.strips, lambda _: strip, progress=progress)
         first = grow_pentagon(cornered, CornerStrip(self._lengths))
-        if first.status is not Status.GROWN or self.strips == 1:
+        if first.status is not Status.GROWN:
+            return first
+
+        def told(done: int, _: int) -> None:
+            if progress is not None:
+                progress(done + 1, self.strips)
+
+        told(0, 0)
+        if self.strips == 1:
             return first
 
         def choose(front: Front, strip: int) -> Strip:
@@ -74,7 +82,7 @@ class CorneredMiura:
             u = front.edges_direction
             return Strip(float(flap_angle_of(-u[0], u[1], ahead)), self._lengths)
 
-        growth = grow(first.mesh, self.strips - 1, choose, progress=progress)
+        growth = grow(first.mesh, self.strips - 1, choose, progress=told)
         return replace(growth, strips=growth.strips + 1)
 
     def _cornered(self, whole: FloatArray) -> QuadMesh:
