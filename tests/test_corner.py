@@ -510,7 +510,7 @@ def test_files_of_the_design_have_the_pentagon():
 @pytest.mark.parametrize(
     ("change", "name"),
     [
-        ({"corner_column": 0}, "corner_column"),
+        ({"corner_column": 1}, "corner_column"),
         ({"corner_column": 10}, "corner_column"),
         ({"corner_row": 9}, "corner_row"),
         ({"strips": 0}, "strips"),

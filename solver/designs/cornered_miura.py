@@ -11,7 +11,7 @@ from solver.corner import CornerStrip, grow_corner, grow_part, grow_pentagon
 from solver.designs.miura import Miura
 from solver.errors import InvalidValue, require_count, require_length
 from solver.front import Front, Rays
-from solver.growth import Growth, Status, Strip, grow
+from solver.growth import Growth, Strip, grow
 from solver.mesh import QuadMesh
 from solver.vectors import FloatArray, norm
 from solver.vertex import flap_angle_of
@@ -51,13 +51,13 @@ class CorneredMiura:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
         require_count("strips", self.strips, 1, "One strip alone surrounds the corner.")
         require_length("strip_length", self.strip_length)
-        for name, value, most in (
-            ("corner_column", self.corner_column, self.columns - 1),
-            ("corner_row", self.corner_row, self.rows - 2),
+        for name, value, least, most in (
+            ("corner_column", self.corner_column, 2, self.columns - 1),
+            ("corner_row", self.corner_row, 1, self.rows - 2),
         ):
-            if not 1 <= value <= most:
-                cure = "The corner lies inside the sheet, two rows or more below its upper end."
-                raise InvalidValue(name, value, f"lie from 1 to {most}", cure)
+            if not least <= value <= most:
+                cure = "The part above the corner needs two columns and two rows or more."
+                raise InvalidValue(name, value, f"lie from {least} to {most}", cure)
         sheet = Miura(self.columns, self.rows, self.sector_angle, self.fold).grow().mesh
         whole = sheet.vertices_coords[sheet.grid]
         cornered = self._cornered(whole)
@@ -65,15 +65,14 @@ class CorneredMiura:
             strip = CornerStrip(self._lengths)
             return grow_corner(cornered, self.strips, lambda _: strip, progress=progress)
         first = grow_pentagon(cornered, CornerStrip(self._lengths))
-        if first.status is not Status.GROWN:
-            return first
 
         def told(done: int, _: int) -> None:
             if progress is not None:
                 progress(done + 1, self.strips)
 
-        told(0, 0)
-        if self.strips == 1:
+        if first.strips:
+            told(0, 0)
+        if first.strips in (0, self.strips):
             return first
 
         def choose(front: Front, strip: int) -> Strip:
