@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fab.development import Development
-from fab.polygons import next_corner
+from fab.polygons import by_size, next_corner
 from solver.errors import InvalidValue, require_positive
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
@@ -67,10 +67,7 @@ class CreasePattern:
 
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
         """For each number n of corners: the faces that have it, and their corners (nf', n)."""
-        sizes = np.diff(self.faces_offsets)
-        for n in np.unique(sizes):
-            faces = np.flatnonzero(sizes == n)
-            yield faces, self.faces_vertices[self.faces_offsets[faces][:, None] + np.arange(n)]
+        return by_size(self.faces_vertices, self.faces_offsets)
 
     def counts(self) -> dict[str, int]:
         """Number of edges by assignment."""
@@ -83,8 +80,7 @@ def crease_pattern(
     """The crease pattern of a grown patch; here design units become millimetres, once."""
     require_positive("scale_mm_per_unit", scale_mm_per_unit)
     edges = mesh.edges
-    faces = mesh.faces_vertices.ravel()
-    offsets = np.arange(len(mesh.faces_vertices) + 1) * 4
+    faces, offsets = mesh.polygons
     angle = fold_angles_deg(mesh.vertices_coords, edges, faces, offsets)
     return CreasePattern(
         development.vertices_coords * scale_mm_per_unit,

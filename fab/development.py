@@ -11,11 +11,11 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from fab.polygons import ring_areas
+from fab.polygons import by_size, next_corner, ring_areas
 from solver.errors import InvalidValue
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh, boundary_loops
-from solver.vectors import ComplexArray, FloatArray, IntArray, cross, norm, unit
+from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["Development", "develop", "overlapping_faces"]
 
@@ -51,45 +51,46 @@ def develop(mesh: QuadMesh) -> Development:
 
     Raises `InvalidValue` for a mesh without faces, with a face without area, or in several pieces.
     """
-    coords, faces = mesh.vertices_coords, mesh.faces_vertices
-    if len(faces) == 0:
+    coords = mesh.vertices_coords
+    corner, offsets = mesh.polygons
+    count, sizes = len(offsets) - 1, np.diff(offsets)
+    if count == 0:
         raise InvalidValue("faces", 0, "be at least 1", "Grow a strip before developing.")
-    local = _local_coordinates(coords, faces)
-    root = int(np.argmin(norm(coords[faces].mean(axis=1) - coords.mean(axis=0))))
-    parent, levels = _unfolding_tree(coords, mesh.edges, len(faces), root)
-    turn, shift = _face_motions(local, faces, parent, levels)
-    placed = turn[:, None] * local + shift[:, None]
-    corner = faces.ravel()
+    local = _local_coordinates(coords, corner, offsets)
+    centres = np.add.reduceat(coords[corner], offsets[:-1]) / sizes[:, None]
+    root = int(np.argmin(norm(centres - coords.mean(axis=0))))
+    parent, levels = _unfolding_tree(coords, mesh.edges, count, root)
+    turn, shift = _face_motions(local, corner, offsets, mesh.edges, parent, levels)
+    placed = np.repeat(turn, sizes) * local + np.repeat(shift, sizes)
     uses = np.bincount(corner, minlength=len(coords))
     with np.errstate(invalid="ignore"):
         mean = (
-            np.bincount(corner, placed.real.ravel(), len(coords)) / uses
-            + 1j * np.bincount(corner, placed.imag.ravel(), len(coords)) / uses
+            np.bincount(corner, placed.real, len(coords)) / uses
+            + 1j * np.bincount(corner, placed.imag, len(coords)) / uses
         )
-    closure = float(np.abs(placed.ravel() - mean[corner]).max())
+    closure = float(np.abs(placed - mean[corner]).max())
     flat = _upright(np.column_stack([mean.real, mean.imag]))
     return Development(
         flat,
-        float(isometry(coords, flat, faces).max()),
+        max(float(isometry(coords, flat, f).max()) for _, f in by_size(corner, offsets)),
         closure,
-        overlapping_faces(flat, faces, mesh.edges),
+        overlapping_faces(flat, corner, offsets, mesh.edges),
     )
 
 
-def _local_coordinates(coords: FloatArray, faces: IntArray) -> ComplexArray:
-    """Corners of each face in its own plane, as complex numbers, shape (nf, 4)."""
-    corners = coords[faces]
-    first = corners[:, 2] - corners[:, 0]
-    normal = cross(first, corners[:, 3] - corners[:, 1])
+def _local_coordinates(coords: FloatArray, corner: IntArray, offsets: IntArray) -> ComplexArray:
+    """Corners of each face in its own plane, as complex numbers, shape (total,)."""
+    sizes = np.diff(offsets)
+    arm = coords[corner] - np.repeat(coords[corner[offsets[:-1]]], sizes, axis=0)
+    normal = np.add.reduceat(cross(arm, arm[next_corner(offsets)]), offsets[:-1])
     flat = np.flatnonzero(~(norm(normal) > 0))
     if len(flat):
         raise InvalidValue(
             f"area of face {flat[0]}", 0.0, "be greater than 0", "Remove degenerate faces."
         )
-    x = unit(first)
+    x = unit(arm[offsets[:-1] + 2])
     y = cross(unit(normal), x)
-    arm = corners - corners[:, :1]
-    out: ComplexArray = np.einsum("fni,fi->fn", arm, x) + 1j * np.einsum("fni,fi->fn", arm, y)
+    out: ComplexArray = dot(arm, np.repeat(x, sizes, 0)) + 1j * dot(arm, np.repeat(y, sizes, 0))
     return out
 
 
@@ -130,23 +131,43 @@ def _unfolding_tree(
 
 
 def _face_motions(
-    local: ComplexArray, faces: IntArray, parent: IntArray, levels: list[IntArray]
+    local: ComplexArray,
+    corner: IntArray,
+    offsets: IntArray,
+    edges: Edges,
+    parent: IntArray,
+    levels: list[IntArray],
 ) -> tuple[ComplexArray, ComplexArray]:
     """Rotation (unit complex) and shift that lay every face down."""
     child = np.concatenate(levels[1:]) if len(levels) > 1 else np.empty(0, np.int64)
-    above = parent[child]
-    # the shared edge: side j of the child runs from b to a where the parent's side runs a to b
-    same = faces[child][:, :, None] == faces[above][:, None, :]
-    back = same & np.roll(np.roll(same, -1, axis=1), 1, axis=2)  # child j+1 is parent i-1
-    side, other = np.divmod(back.reshape(len(child), 16).argmax(axis=1), 4)
-    row = np.arange(len(child))
-    q0, q1 = local[child][row, side], local[child][row, (side + 1) % 4]
-    p0, p1 = local[above][row, other], local[above][row, (other - 1) % 4]
+    # the edge to the parent; of several between two faces (a straight crease) the first
+    shared = np.flatnonzero(edges.edges_faces[:, 1] >= 0)
+    beside = edges.edges_faces[shared]
+    count = len(parent)
+    pair = beside.min(axis=1) * count + beside.max(axis=1)
+    order = np.argsort(pair, kind="stable")
+    wanted = np.minimum(child, parent[child]) * count + np.maximum(child, parent[child])
+    found = shared[order[np.searchsorted(pair[order], wanted)]] if len(child) else child
+    # it runs from u to v in the parent and back in the child
+    u, v = edges.edges_vertices[found].T
+    swap = edges.edges_faces[found, 0] == child
+    u, v = np.where(swap, v, u), np.where(swap, u, v)
+    following = next_corner(offsets)
+    vertices = int(corner.max()) + 1
+    key = corner * vertices + corner[following]
+    rank = np.argsort(key)
+
+    def side(start: IntArray, end: IntArray) -> tuple[ComplexArray, ComplexArray]:
+        at = rank[np.searchsorted(key[rank], start * vertices + end)]
+        return local[at], local[following[at]]
+
+    q0, q1 = side(v, u)
+    p1, p0 = side(u, v)
     ratio = (p1 - p0) / (q1 - q0)
     ratio /= np.abs(ratio)
     step = (p0 + p1) / 2 - ratio * (q0 + q1) / 2
-    turn = np.ones(len(faces), complex)
-    shift = np.zeros(len(faces), complex)
+    turn = np.ones(count, complex)
+    shift = np.zeros(count, complex)
     start = 0
     for level in levels[1:]:
         part = slice(start, start + len(level))
@@ -165,8 +186,12 @@ def _upright(flat: FloatArray) -> FloatArray:
     ring = shapely.get_coordinates(hull)[:-1]
     edge = np.diff(np.vstack([ring, ring[:1]]), axis=0)
     edge /= np.hypot(edge[:, 0], edge[:, 1])[:, None]
-    along, across = ring @ edge.T, ring @ np.column_stack([-edge[:, 1], edge[:, 0]]).T
-    extent = np.ptp(along, axis=0), np.ptp(across, axis=0)
+    across = np.column_stack([-edge[:, 1], edge[:, 0]])
+    chunks = range(0, len(edge), 256)  # a hull of ten thousand corners would fill the memory
+    extent = tuple(
+        np.concatenate([np.ptp(ring @ axis[i : i + 256].T, axis=0) for i in chunks])
+        for axis in (edge, across)
+    )
     area = extent[0] * extent[1]
     # equal boxes (a Miura sheet has two) must not be told apart by rounding
     best = int(np.flatnonzero(area <= area.min() * (1 + 1e-9))[0])
@@ -180,31 +205,36 @@ def _upright(flat: FloatArray) -> FloatArray:
     return out
 
 
-def overlapping_faces(flat: FloatArray, faces: IntArray, edges: Edges) -> IntArray:
+def overlapping_faces(
+    flat: FloatArray, corner: IntArray, offsets: IntArray, edges: Edges
+) -> IntArray:
     """Pairs of faces whose interiors overlap in the plane, shape (n, 2).
 
     Overlaps no deeper than 1e-9 of the sheet's diagonal are contact, not overlap.
+
+    corner, offsets : the faces, one after another, as in `QuadMesh.polygons`.
 
     A sheet of one piece whose faces all turn the same way and whose outline does not cross itself
     cannot overlap; only where that fails are the faces compared pair by pair.
     """
     loops = boundary_loops(edges)
-    areas = ring_areas(flat[faces].reshape(-1, 2), np.arange(len(faces) + 1) * 4)
+    areas = ring_areas(flat[corner], offsets)
     same_way = len(loops) == 1 and areas.min() > 0
     if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):
         return np.empty((0, 2), np.int64)
-    return np.array(list(_overlapping_pairs(flat, faces)), np.int64).reshape(-1, 2)
+    return np.array(list(_overlapping_pairs(flat[corner], offsets)), np.int64).reshape(-1, 2)
 
 
-def _overlapping_pairs(flat: FloatArray, faces: IntArray) -> Iterator[tuple[int, int]]:
-    shapes = shapely.polygons(flat[faces])
+def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> Iterator[tuple[int, int]]:
+    ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    shapes = shapely.polygons(shapely.linearrings(corners, indices=ring))
     valid = shapely.is_valid(shapes)
     for face in np.flatnonzero(~valid).tolist():
         yield face, face
     plain = np.flatnonzero(valid)
     # rounding lays neighbours on each other by slivers: a face overlaps what it meets when shrunk.
     # A yes or no about two shapes is exact, where their common area may fail to be built.
-    contact = _CONTACT_REL * float(np.hypot(*np.ptp(flat[faces].reshape(-1, 2), axis=0)))
+    contact = _CONTACT_REL * float(np.hypot(*np.ptp(corners, axis=0)))
     shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
     one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
     pairs = np.unique(np.sort(np.column_stack([one, two])[one != two], axis=1), axis=0)

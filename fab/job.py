@@ -52,7 +52,8 @@ def _target(surface: str, face: int | None, folder: Path) -> str | Target:
     if Path(surface).suffix:
         from fab.surface_file import read_surface
 
-        return read_surface(folder / surface, face)
+        target: Target = read_surface(folder / surface, face)
+        return target
     if face is not None:
         raise InvalidJob(
             f"design.face = {face} must be left out for surface = {surface!r}: only STEP files "

@@ -1,15 +1,17 @@
-"""How are polygons that lie one after another in an array walked, measured and told convex?
+"""How are polygons that lie one after another in an array walked, sorted, measured, told convex?
 
 Ring i has the corners offsets[i]:offsets[i + 1]; offsets has one entry more than there are rings.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["are_convex", "next_corner", "ring_areas"]
+__all__ = ["are_convex", "by_size", "next_corner", "ring_areas"]
 
 
 def next_corner(offsets: IntArray) -> IntArray:
@@ -17,6 +19,14 @@ def next_corner(offsets: IntArray) -> IntArray:
     following = np.arange(offsets[-1]) + 1
     following[offsets[1:] - 1] = offsets[:-1]
     return following
+
+
+def by_size(corners: IntArray, offsets: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
+    """For each number n of corners: the rings that have it, and their corners (n', n)."""
+    sizes = np.diff(offsets)
+    for n in np.unique(sizes):
+        rings = np.flatnonzero(sizes == n)
+        yield rings, corners[offsets[rings][:, None] + np.arange(n)]
 
 
 def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:

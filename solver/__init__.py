@@ -1,9 +1,11 @@
 """Geometry of quad origami: seeds, growth strip by strip, and what the result measures."""
 
+from solver.corner import CornerStrip, grow_corner, grow_part, grow_pentagon
 from solver.designs import (
     DESIGNS,
     BrownianRibbon,
     ClosedCurvedFold,
+    CorneredMiura,
     Crumpled,
     CurvedFold,
     Design,
@@ -25,6 +27,8 @@ __all__ = [
     "DESIGNS",
     "BrownianRibbon",
     "ClosedCurvedFold",
+    "CornerStrip",
+    "CorneredMiura",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -50,6 +54,9 @@ __all__ = [
     "explicit_surface",
     "fit_surface",
     "grow",
+    "grow_corner",
+    "grow_part",
+    "grow_pentagon",
     "isometry",
     "planarity",
     "ray_hit",

@@ -273,12 +273,13 @@ class _Mirror:
 
     @classmethod
     def of(cls, front: Front, normal: FloatArray) -> _Mirror:
-        """normal : of the target at the front's interior vertices, shape (n, 3)."""
+        """Normal : of the target at the front's interior vertices, shape (n, 3)."""
         assert front.back is not None  # the seed has faces
         onward = -front.back
         wanted = unit(onward - 2 * dot(onward, normal)[:, None] * normal)
         frame = (-front.edges_direction[:-1], front.inner, front.normals)
-        return cls(*(dot(wanted, axis)[:, None] for axis in frame), front)
+        along = [dot(wanted, axis)[:, None] for axis in frame]
+        return cls(along[0], along[1], along[2], front)
 
     def _parts(self, trials: FloatArray) -> tuple[FloatArray, ...]:
         f = self.front

@@ -11,7 +11,7 @@ Source: supplementary information of "An additive algorithm for origami design",
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -67,6 +67,16 @@ class Rays:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
         each = np.asarray(lengths, float)
         return self.vertices_coords + (each[:, None] if each.ndim else each) * self.directions
+
+    def between(self, first: int, last: int) -> Rays:
+        """The rays of the vertices first to last - 1; all their flap angles stay."""
+        part = slice(first, last)
+        return replace(
+            self,
+            vertices_coords=self.vertices_coords[part],
+            directions=self.directions[part],
+            length_bounds=self.length_bounds[part],
+        )
 
 
 @dataclass(frozen=True)
@@ -160,7 +170,15 @@ class Front:
     @classmethod
     def of(cls, mesh: QuadMesh, side: Side, k: FloatArray | float | None = None) -> Front:
         """The front on `side` of a patch; `k` where the patch is a curve, and only there."""
-        x = mesh.vertices_coords[mesh.front_vertices(side)]
+        front = mesh.front_vertices(side)
+        if front.min() < 0:
+            raise InvalidValue(
+                "side",
+                side,
+                "be filled from end to end",
+                "Fill its corner, or grow on a part of it (`solver.corner`).",
+            )
+        x = mesh.vertices_coords[front]
         behind = mesh.previous_vertices(side)
         if behind is None:
             if k is None:
@@ -176,7 +194,7 @@ class Front:
                 "There k follows from developability.",
             )
         y = mesh.vertices_coords[behind]
-        _require_convex(x, y)
+        require_convex(x, y)
         return cls.between(x, y, closed=mesh.closed)
 
     @classmethod
@@ -344,15 +362,15 @@ class Front:
         angle_left, angle_right = boundary_angles
         if angle_left is not None:
             edge = self.edges_direction[0]
-            directions[0], left[:, 0] = _boundary_ray(edge, directions[1], angle_left, "left")
+            directions[0], left[:, 0] = boundary_ray(edge, directions[1], angle_left, "left")
         if angle_right is not None:
             edge = -self.edges_direction[-1]
-            directions[-1], right[:, -1] = _boundary_ray(edge, directions[-2], angle_right, "right")
+            directions[-1], right[:, -1] = boundary_ray(edge, directions[-2], angle_right, "right")
         bounds = _length_bounds(self.edges_length, left, right)
         return Rays(self.vertices_coords, directions, (s, c), bounds)
 
 
-def _require_convex(x: FloatArray, y: FloatArray) -> None:
+def require_convex(x: FloatArray, y: FloatArray) -> None:
     """Refuse faces behind a front that are reflex at it; grown faces never are."""
     edge, left, right = x[1:] - x[:-1], y[:-1] - x[:-1], y[1:] - x[1:]
     normal = cross(x[1:] - y[:-1], x[:-1] - y[1:])
@@ -385,7 +403,7 @@ def _edges(x: FloatArray) -> tuple[FloatArray, FloatArray]:
     return length, edge / length[:, None]
 
 
-def _boundary_ray(
+def boundary_ray(
     edge: FloatArray, inner: FloatArray, angle: float, which: str
 ) -> tuple[FloatArray, tuple[float, float]]:
     """Direction at an end of the front in the plane of its quad, with cosine and sine to `edge`.
@@ -413,13 +431,13 @@ def _loop_bounds(
 ) -> FloatArray:
     """As `_length_bounds` for a loop: edge i runs from vertex i to the next; shape (N,)."""
     ahead = np.roll(right[0], -1), np.roll(right[1], -1)
-    open_bounds = _meeting_distances(length, left, ahead)
+    open_bounds = meeting_distances(length, left, ahead)
     return np.minimum(open_bounds[0], np.roll(open_bounds[1], 1))
 
 
 def _length_bounds(length: FloatArray, left: FloatArray, right: FloatArray) -> FloatArray:
     """Distance at which each ray meets a neighbour (S20, S21); left, right: (cos, sin), (2, m)."""
-    start, end = _meeting_distances(length, (left[0], left[1]), (right[0], right[1]))
+    start, end = meeting_distances(length, (left[0], left[1]), (right[0], right[1]))
     bounds = np.empty(len(length) + 1)
     bounds[-1] = np.inf
     bounds[:-1] = start
@@ -427,7 +445,7 @@ def _length_bounds(length: FloatArray, left: FloatArray, right: FloatArray) -> F
     return bounds
 
 
-def _meeting_distances(
+def meeting_distances(
     length: FloatArray,
     left: tuple[FloatArray, FloatArray],
     right: tuple[FloatArray, FloatArray],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeAlias
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
 from solver.vectors import FloatArray
 
-__all__ = ["Growth", "Status", "Stop", "Strip", "grow"]
+__all__ = ["Growth", "Lengths", "Status", "Stop", "Strip", "grow"]
 
 
 class Status(StrEnum):
@@ -25,6 +26,8 @@ class Status(StrEnum):
     LENGTH_NOT_POSITIVE = "length_not_positive"
     LOOP_NOT_CLOSED = "loop_not_closed"
     FACES_CROSS = "faces_cross"
+    CORNER_NOT_CONVEX = "corner_not_convex"
+    CORNER_NOT_MATCHED = "corner_not_matched"
     COVERED = "covered"
 
 
@@ -33,6 +36,10 @@ _MOST_QUADS = 20_000_000
 # A loop's flap angle may miss itself by this much, radians.
 _CLOSED = 1e-9
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
+
+
+# Of the new creases: one length for all, one each, or a function of the rays.
+Lengths: TypeAlias = float | FloatArray | Callable[[Rays], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class Strip:
     """
 
     flap_angle: float
-    lengths: float | FloatArray | Callable[[Rays], FloatArray]
+    lengths: Lengths
     at: int = 1
     boundary_angles: tuple[float | None, float | None] = (None, None)
 
@@ -105,45 +112,63 @@ def grow(
         raise InvalidValue(
             "quads to grow", quads, f"be at most {_MOST_QUADS}", "Ask for fewer columns or strips."
         )
-    rows = np.empty((strips, *front.row_coords.shape))
+    rows, stop = grown_rows(front, strips, choose, progress)
+    status, advice = (Status.GROWN, "") if stop is None else (stop.status, stop.advice)
+    return Growth(mesh.extended(side, rows), len(rows), status, advice)
+
+
+def grown_rows(
+    front: Front,
+    strips: int,
+    choose: Callable[[Front, int], Strip | Stop],
+    progress: Callable[[int, int], None] | None = None,
+    beyond: tuple[int, int] = (0, 0),
+) -> tuple[FloatArray, Stop | None]:
+    """Rows of strips grown one after another, shape (n, C', 3), and why n is below `strips`.
+
+    beyond : how many vertices at the left and right end belong to the first front alone: no crease
+        begins at them.
+    """
+    drop, size = beyond[0], len(front.row_coords) - sum(beyond)
+    start = front.row_coords[drop : drop + size]
+    rows = np.empty((strips, size, 3))
     for j in range(strips):
         if j:
-            behind = rows[j - 2] if j > 1 else mesh.vertices_coords[mesh.front_vertices(side)]
+            behind = rows[j - 2] if j > 1 else start
             try:
-                front = Front.between(rows[j - 1], behind, closed=mesh.closed)
+                front = Front.between(rows[j - 1], behind, closed=front.closed)
             except InvalidValue as error:
-                return Growth(
-                    mesh.extended(side, rows[:j]),
-                    j,
-                    Status.FRONT_NOT_FOLDABLE,
-                    f"Strip {j + 1} of {strips} has no room to fold: {error} {_CURE}",
-                )
+                advice = f"Strip {j + 1} of {strips} has no room to fold: {error} {_CURE}"
+                return rows[:j], Stop(Status.FRONT_NOT_FOLDABLE, advice)
         choice = choose(front, j)
         if isinstance(choice, Stop):
-            return Growth(mesh.extended(side, rows[:j]), j, choice.status, choice.advice)
+            return rows[:j], choice
         rays = front.rays(choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles)
-        lengths = _lengths(choice, rays)
+        if j == 0 and any(beyond):
+            rays = rays.between(drop, drop + size)
+        lengths = lengths_along(choice.lengths, rays)
         if rays.closing_error > _CLOSED:
             advice = (
                 f"Strip {j + 1} of {strips}: once around the loop the flap angle misses itself by "
                 f"{rays.closing_error:.3g} rad. Take one of `solver.transfer.loop_closings`."
             )
-            return Growth(mesh.extended(side, rows[:j]), j, Status.LOOP_NOT_CLOSED, advice)
-        stop = _length_trouble(lengths, rays)
-        if stop is not None:
-            i, status, bound = stop
+            return rows[:j], Stop(Status.LOOP_NOT_CLOSED, advice)
+        trouble = length_trouble(lengths, rays)
+        if trouble is not None:
+            i, status, bound = trouble
             advice = f"Strip {j + 1} of {strips}: at front vertex {i} the length must {bound}."
             if j == 0:
                 raise InvalidValue(f"length[{i}]", lengths[i], bound, advice)
-            return Growth(mesh.extended(side, rows[:j]), j, status, f"{advice} {_CURE}")
+            return rows[:j], Stop(status, f"{advice} {_CURE}")
         rows[j] = rays.row(lengths)
         if progress is not None:
             progress(j + 1, strips)
-    return Growth(mesh.extended(side, rows), strips)
+    return rows, None
 
 
-def _lengths(choice: Strip, rays: Rays) -> FloatArray:
-    given = choice.lengths(rays) if callable(choice.lengths) else choice.lengths
+def lengths_along(wanted: Lengths, rays: Rays) -> FloatArray:
+    """One length for each crease of a strip; refuses arrays of another shape."""
+    given = wanted(rays) if callable(wanted) else wanted
     lengths = np.asarray(given, float)
     size = len(rays.directions)
     if lengths.shape == (size,):
@@ -158,7 +183,7 @@ def _lengths(choice: Strip, rays: Rays) -> FloatArray:
     return np.full(size, lengths)
 
 
-def _length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
+def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
     """The first vertex whose length cannot be used, why, and the bound; None where all can."""
     if lengths.min() > 0 and (lengths < rays.length_bounds).all():
         return None

@@ -15,13 +15,15 @@ A closed patch (a tube or a ring of cones) has the same numbering; its last colu
 first by one more face in every row, and it has no left and right side.
 
 Growth on other sides gives new vertices and faces the next free numbers; old numbers never change,
-and `grid` keeps which vertex stands at (row, column).
+and `grid` keeps which vertex stands at (row, column), or -1 where nothing stands: there the outline
+has a concave corner (`solver.corner`). A corner filled by a five-sided face leaves the grid of the
+rows around it, which holds only the last part of the patch.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -63,23 +65,26 @@ class Edges:
 
 @dataclass(frozen=True)
 class QuadMesh:
-    """A patch of planar quads in space. Arrays are read-only.
+    """A patch of planar quads in space, with pentagons at unmatched corners. Arrays are read-only.
 
     Attributes
     ----------
     vertices_coords : shape (nv, 3).
     faces_vertices : shape (nf, 4), counterclockwise seen from the upper side.
-    grid : shape (R, C), the vertex at each row and column; with R = 1 the mesh is a curve.
+    grid : shape (R, C), the vertex at each row and column, -1 for none; with R = 1 the mesh is a
+        curve.
     closed : whether the last column is joined to the first.
+    pentagons : shape (np, 5), counterclockwise too.
     """
 
     vertices_coords: FloatArray
     faces_vertices: IntArray
     grid: IntArray
     closed: bool = False
+    pentagons: IntArray = field(default_factory=lambda: np.empty((0, 5), np.int64))
 
     def __post_init__(self) -> None:
-        for array in (self.vertices_coords, self.faces_vertices, self.grid):
+        for array in (self.vertices_coords, self.faces_vertices, self.grid, self.pentagons):
             array.flags.writeable = False
 
     @classmethod
@@ -110,41 +115,75 @@ class QuadMesh:
     @cached_property
     def edges(self) -> Edges:
         """Unique edges with the faces beside them."""
-        return edges_of(self.faces_vertices.ravel(), np.arange(len(self.faces_vertices) + 1) * 4)
+        return edges_of(*self.polygons)
+
+    @cached_property
+    def polygons(self) -> tuple[IntArray, IntArray]:
+        """Corners of all faces, one face after another, and where each face begins, (nf + 1,).
+
+        The quads come first, in their order, then the pentagons.
+        """
+        quads, five = self.faces_vertices, self.pentagons
+        sizes = np.repeat([4, 5], [len(quads), len(five)])
+        corners = np.concatenate([quads.ravel(), five.ravel()])
+        return corners, np.concatenate([[0], np.cumsum(sizes)])
+
+    def turned(self, side: Side) -> IntArray:
+        """The grid seen with `side` on top."""
+        out: IntArray = np.rot90(self.grid, _TURNS[side])
+        return out
 
     def front_vertices(self, side: Side) -> IntArray:
-        """Vertex numbers along `side`, in the direction that has new growth on its left."""
+        """Vertex numbers along `side`, in the direction that has new growth on its left.
+
+        -1 where nothing stands.
+        """
         if self.closed and side in (Side.LEFT, Side.RIGHT):
             raise InvalidValue(
                 "side", side, "be top or bottom on a closed patch", "Cut it open for other sides."
             )
-        front: IntArray = np.rot90(self.grid, _TURNS[side])[-1]
-        if front.min() < 0:
+        if len(self.pentagons) and side is Side.BOTTOM:
             raise InvalidValue(
-                "side", side, "be complete", "Grow first, and trim the sheet afterwards."
+                "side",
+                side,
+                "not be bottom behind an unmatched corner",
+                "Grow there before the corner is filled.",
             )
+        front: IntArray = self.turned(side)[-1]
         return front
 
     def previous_vertices(self, side: Side) -> IntArray | None:
         """Vertex numbers of the grid line behind the front; None where the front is a curve."""
-        turned = np.rot90(self.grid, _TURNS[side])
+        turned = self.turned(side)
         if len(turned) == 1:
             return None
         behind: IntArray = turned[-2]
         return behind
 
-    def extended(self, side: Side, rows: FloatArray) -> QuadMesh:
-        """The mesh with `rows`, shape (n, C', 3), grown one after another on `side`."""
+    def extended(self, side: Side, rows: FloatArray, first: int = 0) -> QuadMesh:
+        """The mesh with `rows`, shape (n, C', 3), grown one after another on `side`.
+
+        first : front vertex at which the rows begin, where they are grown on a part of the front.
+        """
         count, width = rows.shape[:2]
-        new = len(self.vertices_coords) + np.arange(count * width).reshape(count, width)
-        turned = np.rot90(self.grid, _TURNS[side])
-        grown = np.vstack([turned, new])
-        faces = _grid_faces(grown[len(turned) - 1 :], self.closed)
-        return QuadMesh(
-            np.concatenate([self.vertices_coords, rows.reshape(-1, 3)]),
-            np.concatenate([self.faces_vertices, faces]),
-            np.rot90(grown, -_TURNS[side]).copy(),
-            self.closed,
+        turned = self.turned(side)
+        new = np.full((count, turned.shape[1]), -1)
+        numbers = len(self.vertices_coords) + np.arange(count * width)
+        new[:, first : first + width] = numbers.reshape(count, width)
+        return self.filled(side, np.vstack([turned, new]), rows.reshape(-1, 3))
+
+    def filled(self, side: Side, turned: IntArray, coords: FloatArray) -> QuadMesh:
+        """The mesh with the new vertices `coords`, and quads between four corners of the grid.
+
+        turned : the grid with the new vertices' numbers, seen with `side` on top.
+        """
+        faces = _grid_faces(turned, self.closed)
+        fresh = (faces.min(axis=1) >= 0) & (faces.max(axis=1) >= len(self.vertices_coords))
+        return replace(
+            self,
+            vertices_coords=np.concatenate([self.vertices_coords, coords]),
+            faces_vertices=np.concatenate([self.faces_vertices, faces[fresh]]),
+            grid=np.rot90(turned, -_TURNS[side]).copy(),
         )
 
     def with_faces(self, kept: BoolArray) -> QuadMesh:

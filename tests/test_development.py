@@ -161,7 +161,7 @@ def test_a_crossed_quad_is_an_overlap_with_itself():
         np.array([[[-1.0, 0, 0], [0, 0, 0], [1, 0, 0]], [[-1, 1, 0], [0, 1, 0], [1, 1, 0]]])
     )
     crossed = flat[[4, 0, 1, 5, 3, 2]]  # the right face's upper corners are swapped
-    assert [1, 1] in overlapping_faces(crossed, mesh.faces_vertices, mesh.edges).tolist()
+    assert [1, 1] in overlapping_faces(crossed, *mesh.polygons, mesh.edges).tolist()
 
 
 def test_a_curve_and_a_face_without_area_are_refused():

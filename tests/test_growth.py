@@ -1,5 +1,7 @@
 """Growth: published models replayed, all sides, and how it stops."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from helpers import published
@@ -94,6 +96,20 @@ def test_a_patch_grows_on_all_sides_in_any_order(sides, left, right):
     assert mesh.grid.shape == (6, 7)
     assert planarity(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-11
     assert developability(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-11
+
+
+@pytest.mark.parametrize("sides", list(permutations(Side)), ids="-".join)
+def test_every_order_of_the_four_sides_stays_exact(sides):
+    seed = Miura(columns=3, rows=3, fold=np.radians(40)).grow().mesh
+    mesh = seed
+    for side in sides:
+        mesh = grown_with_most_room(mesh, side, (1.35, 1.75))
+        assert room_to_fold(mesh) > 0.01
+    assert mesh.grid.shape == (6, 6)
+    assert sorted(mesh.grid.ravel().tolist()) == list(range(36))
+    assert (mesh.vertices_coords[:16] == seed.vertices_coords).all()
+    assert planarity(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-12
+    assert developability(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-12
 
 
 def test_mirrored_input_and_flap_angles_give_the_mirrored_sheet():

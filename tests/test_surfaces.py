@@ -182,8 +182,8 @@ def test_trimmed_sheets_cover_the_domain_and_hardly_more(name):
     inside = cKDTree(uv[surface.inside(uv)])
     gap, _ = inside.query(corners.mean(axis=1))
     assert (gap <= size + 0.01).all()
-    with pytest.raises(InvalidValue, match="side .* be complete"):
-        mesh.front_vertices(Side.TOP)
+    with pytest.raises(InvalidValue, match="grow"):
+        Front.of(mesh, Side.TOP)
 
 
 def test_pieces_that_hang_together_by_a_corner_are_joined_or_dropped():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from solver.designs.brownian_ribbon import BrownianRibbon
 from solver.designs.closed_curved_fold import ClosedCurvedFold
+from solver.designs.cornered_miura import CorneredMiura
 from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
@@ -16,6 +17,7 @@ __all__ = [
     "DESIGNS",
     "BrownianRibbon",
     "ClosedCurvedFold",
+    "CorneredMiura",
     "Crumpled",
     "CurvedFold",
     "Design",
@@ -29,6 +31,7 @@ __all__ = [
 Design = (
     BrownianRibbon
     | ClosedCurvedFold
+    | CorneredMiura
     | Crumpled
     | CurvedFold
     | Miura
@@ -41,6 +44,7 @@ Design = (
 DESIGNS: dict[str, type[Design]] = {
     "brownian_ribbon": BrownianRibbon,
     "closed_curved_fold": ClosedCurvedFold,
+    "cornered_miura": CorneredMiura,
     "crumpled": Crumpled,
     "curved_fold": CurvedFold,
     "miura": Miura,
