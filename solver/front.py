@@ -232,7 +232,7 @@ class Front:
 
     @cached_property
     def prefixes(self) -> FloatArray:
-        """Matrices from the first flap angle to each (`transfer.prefix_products`), (m - 1, 2, 2)."""
+        """Matrices from the first flap angle to each (`prefix_products`), shape (m - 1, 2, 2)."""
         return prefix_products(self.couplings, self.deltas)
 
     @property

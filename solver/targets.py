@@ -14,6 +14,8 @@ __all__ = ["ParametricSurface", "Target", "TurnedTarget", "explicit_surface", "r
 
 _STEPS = 60
 _EXACT = 1e-14
+# A ray whose last step is longer, relative to its length, found nothing: it goes round in circles.
+_SETTLED = 1e-11
 
 
 class Target(Protocol):
@@ -72,7 +74,8 @@ def ray_hit(
             lengths[missed] = 0.0
             if not (np.abs(step) > _EXACT * (1 + np.abs(lengths))).any():
                 break
-    lengths[missed | (lengths <= 0)] = np.nan
+    unsettled = np.abs(step) > _SETTLED * (1 + np.abs(lengths))
+    lengths[missed | unsettled | (lengths <= 0)] = np.nan
     return lengths, places
 
 
@@ -137,8 +140,9 @@ class ParametricSurface:
 
     def inside(self, places: FloatArray) -> BoolArray:
         """Whether |u| and |v| are at most 1, and `within` holds, shape (n,)."""
-        square: BoolArray = (np.abs(places[:, :2]) <= 1).all(axis=1)
-        return square if self.within is None else square & self.within(*places[:, :2].T)
+        u, v = places[:, 0], places[:, 1]
+        square: BoolArray = (np.abs(u) <= 1) & (np.abs(v) <= 1)
+        return square if self.within is None else square & self.within(u, v)
 
 
 @dataclass(frozen=True)
