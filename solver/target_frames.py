@@ -59,11 +59,11 @@ class Frame:
         """The box with the third axis `up`; v runs along `rows`, made perpendicular to it.
 
         Without `rows`, u runs along the coordinate axis that is the most perpendicular to `up`,
-        the first of those that tie: up = z gives u = x and v = y.
+        the first of those that nearly tie: up = z gives u = x and v = y.
         """
         third = vector("up", up)
         if rows is None:
-            first = np.eye(3)[int(np.argmin(np.round(np.abs(third), 9)))]
+            first = np.eye(3)[int(np.argmin(np.round(np.abs(third), 1)))]
             first = unit(first - (first @ third) * third)
         else:
             along = cross(vector("rows", rows), third)
@@ -124,8 +124,8 @@ def _tightest(points: FloatArray) -> float:
 
     try:
         hull = points[ConvexHull(points).vertices]
-    except QhullError:  # on a line: the caller says so
-        return 0.0
+    except QhullError:  # all on a line: so is the rectangle
+        hull = points
     # a rectangle of least area has a side along one of the hull's (Freeman and Shapira 1975)
     side = np.roll(hull, -1, axis=0) - hull
     angle = np.append(np.arctan2(side[:, 1], side[:, 0]) % (np.pi / 2), 0.0)

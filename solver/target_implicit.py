@@ -17,7 +17,9 @@ __all__ = ["ImplicitSurface"]
 _HEIGHTS = 257
 _APPROACH = 4
 _STEPS = 60
-_EXACT = 1e-14
+_EXACT = 1e-15
+# Steps of this size, in half diagonals of the box, are on the way to the nearest point.
+_NEAR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ class ImplicitSurface:
         Raises `InvalidValue` where the line upwards does not meet the surface in the box.
         """
         count = len(uv)
-        heights = np.linspace(1.0, -1.0, _HEIGHTS)
+        heights = np.linspace(1.01, -1.01, _HEIGHTS)  # a surface may touch the box
         lines = np.empty((count, _HEIGHTS, 3))
         lines[:, :, :2], lines[:, :, 2] = uv[:, None], heights
         values = self.value(self.frame.points(lines).reshape(-1, 3)).reshape(count, _HEIGHTS)
@@ -100,7 +102,8 @@ class ImplicitSurface:
                 off = points - x
                 size = dot(slope, slope)
                 x = x + off - ((dot(off, slope) + self.value(x)) / size)[:, None] * slope
-            multiplier = np.zeros(len(x))
+            scale = float(norm(self.frame.half_widths))
+            multiplier, last = np.zeros(len(x)), np.full(len(x), np.inf)
             for step in range(_STEPS):
                 slope = self.gradients(x)
                 if step == 0:
@@ -111,11 +114,13 @@ class ImplicitSurface:
                 change = (self.value(x) - dot(slope, by_miss)) / dot(slope, by_slope)
                 move = -by_miss - change[:, None] * by_slope
                 x, multiplier = x + move, multiplier + change
-                settled = norm(move) <= _EXACT * (norm(x) + norm(self.frame.half_widths))
-                if (settled | ~np.isfinite(x).all(axis=1)).all():
+                size = norm(move)
+                # down to rounding, or to the error of differences, where steps shrink no longer
+                settled = (size <= _EXACT * scale) | ((size > last / 2) & (size < _NEAR * scale))
+                if (settled | ~np.isfinite(size)).all():
                     break
-            # the last bits of x wander where the gradient is a difference
-            lost = ~(norm(move) <= 1e-6 * norm(self.frame.half_widths))
+                last = size
+            lost = ~(size <= _NEAR * scale)
             normal = unit(self.gradients(x))
             x, normal = np.where(lost[:, None], np.nan, x), np.where(lost[:, None], np.nan, normal)
         places = np.column_stack([self.frame.coordinates(x)[:, :2], x])
