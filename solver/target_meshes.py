@@ -25,7 +25,7 @@ _SAME = 1e-9
 _FLAT = 1e-12
 # Feet whose barycentric coordinate is below this lie on the opposite edge.
 _ON_EDGE = 1e-9
-# Width of the skirt in half diagonals of the mesh, and how far its rim may lean over.
+# Width of the skirt in diagonals of the mesh, and how far its rim may lean over.
 _SKIRT = 0.5
 _OVERHANG = -0.1
 
@@ -129,7 +129,7 @@ class MeshSurface:
         bare = cls(coords, own, len(own), frame)
         if closed:
             return bare
-        added, extra = _continued(bare, ring, _SKIRT * size / 2)
+        added, extra = _continued(bare, ring, _SKIRT * size)
         return cls(np.vstack([coords, added]), np.vstack([own, extra]), len(own), frame)
 
     def places(self, uv: FloatArray) -> FloatArray:
@@ -273,7 +273,9 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
         raise InvalidValue("vertices_coords", coords[vertex].tolist(), "be finite", cure)
     triangles = numbers.astype(np.int64)
     if triangles.shape[1] == 4:
-        first, second = (norm(coords[triangles[:, i]] - coords[triangles[:, i + 2]]) for i in (0, 1))
+        first, second = (
+            norm(coords[triangles[:, i]] - coords[triangles[:, i + 2]]) for i in (0, 1)
+        )
         turned = np.where((second < first)[:, None], np.roll(triangles, -1, axis=1), triangles)
         triangles = np.stack([turned[:, [0, 1, 2]], turned[:, [2, 3, 0]]], axis=1).reshape(-1, 3)
     return coords, triangles
@@ -382,12 +384,15 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
     flat = bare.frame.coordinates(bare.vertices_coords)[:, :2] * bare.frame.half_widths[:2]
     added: list[FloatArray] = []
     extra: list[IntArray] = []
-    outer = 0
     count = len(bare.vertices_coords)
-    for loop in sorted(_loops(rim), key=lambda loop: int(loop.min())):
+    loops = sorted(_loops(rim), key=lambda loop: int(loop.min()))
+    outer = [_turn(flat[loop], flat[np.roll(loop, -1)]).sum() > 0 for loop in loops]
+    if sum(outer) > 1:
+        cure = "Cut the mesh to the part to be followed, or look at it from another side (`up`)."
+        raise InvalidValue("outer rims", sum(outer), "be 1, seen along the third axis", cure)
+    for loop, is_outer in zip(loops, outer, strict=True):
         after = np.roll(loop, -1)
-        if _turn(flat[loop], flat[after]).sum() > 0:
-            outer += 1
+        if is_outer:
             points = _skirt(bare, flat, loop, width)
             own = count + np.arange(len(loop))
             out = np.roll(own, -1)
@@ -401,9 +406,6 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
             extra.append(np.column_stack([after, loop, np.full(len(loop), count)]))
         added.append(points)
         count += len(points)
-    if outer != 1:
-        cure = "Cut the mesh to the part to be followed, or look at it from another side (`up`)."
-        raise InvalidValue("outer rims", outer, "be 1, seen along the third axis", cure)
     return np.vstack(added), np.vstack(extra)
 
 
