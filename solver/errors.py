@@ -8,6 +8,7 @@ __all__ = [
     "InvalidValue",
     "OrigamiError",
     "require_count",
+    "require_finite",
     "require_length",
     "require_positive",
     "require_within",
@@ -41,6 +42,12 @@ def require_positive(name: str, value: float, cure: str = "Give a positive numbe
     """Raise `InvalidValue` unless `value` is finite and greater than zero."""
     if not (math.isfinite(value) and value > 0):
         raise InvalidValue(name, value, "be finite and greater than 0", cure)
+
+
+def require_finite(name: str, value: float) -> None:
+    """Raise `InvalidValue` unless `value` is a finite number."""
+    if not math.isfinite(value):
+        raise InvalidValue(name, value, "be finite", "Give a number.")
 
 
 def require_count(name: str, value: int, least: int, cure: str) -> None:

@@ -12,6 +12,7 @@ Source: supplementary information of "An additive algorithm for origami design",
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -211,6 +212,11 @@ class Front:
             closed=closed,
         )
 
+    @cached_property
+    def prefixes(self) -> FloatArray:
+        """Matrices from the first flap angle to each (`transfer.prefix_products`), (m - 1, 2, 2)."""
+        return prefix_products(self.couplings, self.deltas)
+
     @property
     def row_coords(self) -> FloatArray:
         """The front's own vertices, one for each of the new row, shape (m + 1, 3) or (N, 3)."""
@@ -265,7 +271,7 @@ class Front:
                 np.column_stack([np.maximum(left, right), base + np.pi]),
             ]
         )
-        matrices = inverses(prefix_products(self.couplings, self.deltas))
+        matrices = inverses(self.prefixes)
         images = apply_each(np.concatenate([matrices, matrices]), ends)
         turned = np.linalg.det(matrices) < 0  # such a map runs backwards round the circle
         images = np.where(np.concatenate([turned, turned])[:, None], images[:, ::-1], images)

@@ -67,12 +67,14 @@ class Growth:
     Attributes
     ----------
     strips : how many strips were grown; advice : empty where the status is GROWN.
+    coverage : share of a target's domain that the sheet covers; None where there is no target.
     """
 
     mesh: QuadMesh
     strips: int
     status: Status = Status.GROWN
     advice: str = ""
+    coverage: float | None = None
 
 
 def grow(

@@ -119,6 +119,10 @@ class QuadMesh:
                 "side", side, "be top or bottom on a closed patch", "Cut it open for other sides."
             )
         front: IntArray = np.rot90(self.grid, _TURNS[side])[-1]
+        if front.min() < 0:
+            raise InvalidValue(
+                "side", side, "be complete", "Grow first, and trim the sheet afterwards."
+            )
         return front
 
     def previous_vertices(self, side: Side) -> IntArray | None:
@@ -142,6 +146,19 @@ class QuadMesh:
             np.rot90(grown, -_TURNS[side]).copy(),
             self.closed,
         )
+
+    def with_faces(self, kept: BoolArray) -> QuadMesh:
+        """The patch with the faces `kept` alone, by row and column of the grid, (R - 1, C - 1).
+
+        Vertices that no face uses any more are dropped, the others numbered anew in the same order;
+        `grid` is -1 where none stands.
+        """
+        corners = [self.grid[:-1, :-1], self.grid[:-1, 1:], self.grid[1:, 1:], self.grid[1:, :-1]]
+        faces = np.stack([corner[kept] for corner in corners], axis=-1)
+        used = np.zeros(len(self.vertices_coords), bool)
+        used[faces] = True
+        number = np.where(used, np.cumsum(used) - 1, -1)
+        return QuadMesh(self.vertices_coords[used], number[faces], number[self.grid])
 
     def cut_open(self) -> QuadMesh:
         """The patch with a closed one's first column doubled behind its last, to lie flat.

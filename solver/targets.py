@@ -10,50 +10,98 @@ import numpy as np
 
 from solver.vectors import BoolArray, FloatArray, cross, dot, unit
 
-__all__ = ["ParametricSurface", "Target", "explicit_surface"]
+__all__ = ["ParametricSurface", "Target", "TurnedTarget", "explicit_surface", "ray_hit"]
 
 _STEPS = 60
 _EXACT = 1e-14
 
 
 class Target(Protocol):
-    """What surface fitting asks of a surface. Parameters `uv` have shape (n, 2)."""
+    """What surface fitting asks of a surface.
 
-    def point(self, uv: FloatArray) -> FloatArray:
+    A place is a point of the surface as a row of numbers; the first two are always its parameters
+    u and v, in which the surface's domain lies in the square [-1, 1] x [-1, 1]. Places beyond the
+    domain exist as far as the surface can be continued.
+    """
+
+    def places(self, uv: FloatArray) -> FloatArray:
+        """Places with the parameters `uv`, shapes (n, 2) and (n, d)."""
+
+    def point(self, places: FloatArray) -> FloatArray:
         """Points of the surface, shape (n, 3)."""
 
-    def normal(self, uv: FloatArray) -> FloatArray:
+    def normal(self, places: FloatArray) -> FloatArray:
         """Unit normals, shape (n, 3)."""
 
-    def nearest(self, points: FloatArray, guess: FloatArray) -> FloatArray:
-        """Parameters of the nearest points of the surface, near a guess, shape (n, 2)."""
+    def distance(
+        self, points: FloatArray, guess: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Signed distances (n,) of points, their gradients (n, 3), the nearest places (n, d).
 
-    def ray_hit(
-        self, origins: FloatArray, directions: FloatArray, offset: float, guess: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Lengths to the offset surface, and the parameters there; NaN where a ray misses."""
+        Positive on the normals' side; `guess` are places near the nearest ones.
+        """
+
+    def inside(self, places: FloatArray) -> BoolArray:
+        """Whether places belong to the domain, not to the surface's continuation, shape (n,)."""
+
+
+def ray_hit(
+    target: Target,
+    origins: FloatArray,
+    directions: FloatArray,
+    offset: float,
+    guess: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Lengths (n,) of rays to the surface offset along its normals, and the places there (n, d).
+
+    origins, directions : shape (n, 3); guess : places near the origins. Newton on the signed
+    distance, whose derivative along a ray is gradient . direction. A ray that does not meet the
+    offset in front of it gives NaN.
+    """
+    lengths = np.zeros(len(origins))
+    places = guess.copy()
+    missed: BoolArray = np.zeros(len(origins), bool)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        for _ in range(_STEPS):
+            points = origins + lengths[:, None] * directions
+            distance, gradient, found = target.distance(points, places)
+            places = np.where(missed[:, None], guess, found)
+            step = np.where(missed, 0.0, (offset - distance) / dot(gradient, directions))
+            lengths = lengths + step
+            missed |= ~np.isfinite(lengths)
+            lengths[missed] = 0.0
+            if not (np.abs(step) > _EXACT * (1 + np.abs(lengths))).any():
+                break
+    lengths[missed | (lengths <= 0)] = np.nan
+    return lengths, places
 
 
 @dataclass(frozen=True)
 class ParametricSurface:
-    """A surface X(u, v).
+    """A surface X(u, v), u and v in [-1, 1].
 
     Attributes
     ----------
     position : u, v of shape (n,) to points (n, 3).
     derivatives : u, v to (X_u, X_v), each (n, 3); None: central differences of `position`.
+    within : u, v to whether they belong to the domain, (n,); None: the whole square does.
     """
 
     position: Callable[[FloatArray, FloatArray], FloatArray]
     derivatives: Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]] | None = None
+    within: Callable[[FloatArray, FloatArray], BoolArray] | None = None
 
-    def point(self, uv: FloatArray) -> FloatArray:
+    def places(self, uv: FloatArray) -> FloatArray:
+        """The parameters themselves, shape (n, 2)."""
+        return uv
+
+    def point(self, places: FloatArray) -> FloatArray:
         """Points of the surface, shape (n, 3)."""
-        return self.position(uv[:, 0], uv[:, 1])
+        return self.position(places[:, 0], places[:, 1])
 
-    def tangents(self, uv: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def tangents(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Derivatives X_u and X_v, each of shape (n, 3)."""
-        u, v = uv.T
+        u, v = places.T
         if self.derivatives is not None:
             return self.derivatives(u, v)
         h = 6e-6  # the cube root of the rounding unit: best for central differences
@@ -61,16 +109,19 @@ class ParametricSurface:
         along_v = (self.position(u, v + h) - self.position(u, v - h)) / (2 * h)
         return along_u, along_v
 
-    def normal(self, uv: FloatArray) -> FloatArray:
+    def normal(self, places: FloatArray) -> FloatArray:
         """Unit normals X_u x X_v, shape (n, 3)."""
-        return unit(cross(*self.tangents(uv)))
+        return unit(cross(*self.tangents(places)))
 
-    def nearest(self, points: FloatArray, guess: FloatArray) -> FloatArray:
-        """Parameters of the nearest points by Gauss-Newton, shape (n, 2).
+    def distance(
+        self, points: FloatArray, guess: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Signed distances along the normals (n,), normals (n, 3) and parameters (n, 2).
 
-        Converges linearly at the rate distance x curvature: fast for the thin sheets of origami.
+        Nearest points by Gauss-Newton, which converges linearly at the rate distance x curvature:
+        fast for the thin sheets of origami.
         """
-        uv = guess.copy()
+        uv = guess
         for _ in range(_STEPS):
             along_u, along_v = self.tangents(uv)
             off = points - self.point(uv)
@@ -81,42 +132,79 @@ class ParametricSurface:
             uv = uv + step
             if not np.abs(step).max() > _EXACT * (1 + np.abs(uv).max()):
                 break
-        return uv
+        normal = unit(cross(along_u, along_v))
+        return dot(points - self.point(uv), normal), normal, uv
+
+    def inside(self, places: FloatArray) -> BoolArray:
+        """Whether |u| and |v| are at most 1, and `within` holds, shape (n,)."""
+        square: BoolArray = (np.abs(places[:, :2]) <= 1).all(axis=1)
+        return square if self.within is None else square & self.within(*places[:, :2].T)
+
+
+@dataclass(frozen=True)
+class TurnedTarget:
+    """A target with its parameters turned, so that a sheet grows along another direction.
+
+    The turned parameters are shrunk so that the domain stays within [-1, 1] x [-1, 1].
+
+    Attributes
+    ----------
+    target : the surface; angle : from its u direction to the new one, radians.
+    """
+
+    target: Target
+    angle: float
+
+    def _shrink(self) -> float:
+        return float(abs(np.cos(self.angle)) + abs(np.sin(self.angle)))
+
+    def _turn(self, places: FloatArray, angle: float, scale: float) -> FloatArray:
+        c, s = scale * np.cos(angle), scale * np.sin(angle)
+        u, v = places[:, 0], places[:, 1]
+        return np.column_stack([c * u - s * v, s * u + c * v, places[:, 2:]])
+
+    def _inner(self, places: FloatArray) -> FloatArray:
+        return self._turn(places, self.angle, self._shrink())
+
+    def _outer(self, places: FloatArray) -> FloatArray:
+        return self._turn(places, -self.angle, 1 / self._shrink())
+
+    def places(self, uv: FloatArray) -> FloatArray:
+        """Places with the turned parameters `uv`, shape (n, d)."""
+        return self._outer(self.target.places(self._inner(uv)))
+
+    def point(self, places: FloatArray) -> FloatArray:
+        """Points of the surface, shape (n, 3)."""
+        return self.target.point(self._inner(places))
+
+    def normal(self, places: FloatArray) -> FloatArray:
+        """Unit normals, shape (n, 3)."""
+        return self.target.normal(self._inner(places))
 
     def distance(
         self, points: FloatArray, guess: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Signed distances along the normals (n,), normals (n, 3) and parameters (n, 2)."""
-        uv = self.nearest(points, guess)
-        normal = self.normal(uv)
-        return dot(points - self.point(uv), normal), normal, uv
+        """As `Target.distance`, with turned places."""
+        distance, gradient, places = self.target.distance(points, self._inner(guess))
+        return distance, gradient, self._outer(places)
 
-    def ray_hit(
-        self, origins: FloatArray, directions: FloatArray, offset: float, guess: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Lengths (n,) to the surface offset along its normals, and the parameters there (n, 2).
-
-        Newton on the signed distance, whose derivative along a ray is normal . direction. A ray
-        that does not meet the offset in front of it gives NaN.
-        """
-        lengths = np.zeros(len(origins))
-        uv = guess.copy()
-        missed: BoolArray = np.zeros(len(origins), bool)
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            for _ in range(_STEPS):
-                points = origins + lengths[:, None] * directions
-                distance, normal, found = self.distance(points, uv)
-                uv = np.where(missed[:, None], guess, found)
-                step = np.where(missed, 0.0, (offset - distance) / dot(normal, directions))
-                lengths = lengths + step
-                missed |= ~np.isfinite(lengths)
-                lengths[missed] = 0.0
-                if not np.abs(step[~missed]).max(initial=0.0) > _EXACT:
-                    break
-        lengths[missed | (lengths <= 0)] = np.nan
-        return lengths, uv
+    def inside(self, places: FloatArray) -> BoolArray:
+        """As `Target.inside`."""
+        return self.target.inside(self._inner(places))
 
 
-def explicit_surface(height: Callable[[FloatArray, FloatArray], FloatArray]) -> ParametricSurface:
-    """The surface z = height(x, y), with u = x and v = y."""
-    return ParametricSurface(lambda x, y: np.column_stack([x, y, height(x, y)]))
+def explicit_surface(
+    height: Callable[[FloatArray, FloatArray], FloatArray],
+    half_width_x: float = 1.0,
+    half_width_y: float = 1.0,
+) -> ParametricSurface:
+    """The surface z = height(x, y) over a rectangle about the origin.
+
+    half_width_x, half_width_y : u = x / half_width_x and v = y / half_width_y.
+    """
+
+    def position(u: FloatArray, v: FloatArray) -> FloatArray:
+        x, y = half_width_x * u, half_width_y * v
+        return np.column_stack([x, y, height(x, y)])
+
+    return ParametricSurface(position)

@@ -113,14 +113,17 @@ def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
 
     Each product is normalised to a largest entry of one; M[0] is the identity.
     """
-    size = len(couplings)
-    out = np.empty((size, 2, 2))
+    turn_s, turn_c = np.sin(deltas / 2), np.cos(deltas / 2)
+    scale = couplings[:-1]
+    out = np.empty((len(couplings), 2, 2))
     out[0] = np.eye(2)
-    for i in range(size - 1):
-        turn_c, turn_s = math.cos(deltas[i] / 2), math.sin(deltas[i] / 2)
-        step = np.array([[turn_s, couplings[i] * turn_c], [turn_c, -couplings[i] * turn_s]])
-        product = step @ out[i]
-        out[i + 1] = product / np.abs(product).max()
+    out[1:, 0, 0], out[1:, 0, 1] = turn_s, scale * turn_c
+    out[1:, 1, 0], out[1:, 1, 1] = turn_c, -scale * turn_s
+    reach = 1
+    while reach < len(out):  # each matrix is a product of `reach` steps; double it
+        product = out[reach:] @ out[:-reach]
+        out[reach:] = product / np.abs(product).max(axis=(1, 2), keepdims=True)
+        reach *= 2
     return out
 
 
