@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solver.errors import InvalidValue
 from solver.target_frames import Frame
 from solver.vectors import BoolArray, FloatArray, cross, dot, norm, unit
 
@@ -51,7 +50,7 @@ class ImplicitSurface:
     def places(self, uv: FloatArray) -> FloatArray:
         """Places (n, 5) with the parameters `uv`, on the uppermost sheet in the box.
 
-        Raises `InvalidValue` where the line upwards does not meet the surface in the box.
+        NaN but for u and v where the line upwards does not meet the surface in the box.
         """
         count = len(uv)
         heights = np.linspace(1.01, -1.01, _HEIGHTS)  # a surface may touch the box
@@ -60,14 +59,6 @@ class ImplicitSurface:
         values = self.value(self.frame.points(lines).reshape(-1, 3)).reshape(count, _HEIGHTS)
         above = values > 0
         change = above[:, 1:] != above[:, :-1]
-        missed = ~change.any(axis=1)
-        if missed.any():
-            raise InvalidValue(
-                "u, v",
-                tuple(uv[missed][0].tolist()),
-                "lie under or over the surface in its frame",
-                "Move the frame, make it higher, or make its half widths smaller.",
-            )
         first = change.argmax(axis=1)
         high, low = heights[first], heights[first + 1]
         beyond = above[np.arange(count), first]
@@ -76,7 +67,8 @@ class ImplicitSurface:
             at = self.frame.points(np.column_stack([uv, middle]))
             same = (self.value(at) > 0) == beyond
             high, low = np.where(same, middle, high), np.where(same, low, middle)
-        return np.column_stack([uv, self.frame.points(np.column_stack([uv, (high + low) / 2]))])
+        height = np.where(change.any(axis=1), (high + low) / 2, np.nan)
+        return np.column_stack([uv, self.frame.points(np.column_stack([uv, height]))])
 
     def point(self, places: FloatArray) -> FloatArray:
         """Points of the surface, shape (n, 3)."""
@@ -128,8 +120,8 @@ class ImplicitSurface:
 
     def inside(self, places: FloatArray) -> BoolArray:
         """Whether places lie in the square of the parameters, shape (n,)."""
-        inside: BoolArray = (np.abs(places[:, :2]) <= 1 + 1e-9).all(axis=1)
-        return inside
+        inside: BoolArray = np.abs(places[:, :2]).max(axis=1) <= 1 + 1e-9
+        return inside & ~np.isnan(places[:, 2])
 
     def _second(self, points: FloatArray) -> FloatArray:
         """Second derivatives by differences of the gradient, made symmetric, shape (n, 3, 3)."""

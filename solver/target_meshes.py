@@ -94,8 +94,8 @@ class MeshSurface:
         """The surface of a mesh of at most a million triangles, or of quads.
 
         Repaired: vertices that coincide, vertices of no face, faces without area, repeated faces,
-        faces wound the other way round than their neighbours. Refused, with `InvalidValue`: edges of three faces,
-        one-sided meshes, several pieces, and rims along which no skirt can be laid.
+        faces wound the other way round than their neighbours. Refused, with `InvalidValue`: edges
+        of three faces, one-sided meshes, several pieces, rims along which no skirt can be laid.
 
         faces : (m, 3), or (m, 4): quads, cut along their shorter diagonals.
         up : direction from which the surface is seen; its normals turn to that side (those of a
@@ -135,31 +135,25 @@ class MeshSurface:
     def places(self, uv: FloatArray) -> FloatArray:
         """Places (n, 6) with the parameters `uv`, on the uppermost sheet.
 
-        Raises `InvalidValue` where the line upwards misses even the skirt.
+        NaN but for u and v where the line upwards misses even the skirt.
         """
-        flat = self.frame.coordinates(self.vertices_coords)[self.triangles]
-        low, high = flat[..., :2].min(axis=1) - _ON_EDGE, flat[..., :2].max(axis=1) + _ON_EDGE
-        near = [np.flatnonzero(((low <= p) & (p <= high)).all(axis=1)) for p in uv]
-        query = np.repeat(np.arange(len(uv)), [len(numbers) for numbers in near])
-        triangle = np.concatenate([*near, np.empty(0, np.int64)])
-        corners = flat[triangle]
-        plane = np.concatenate([corners[..., :2], np.zeros((len(corners), 3, 1))], axis=-1)
+        import shapely
+
+        query, triangle = self._seen.query(shapely.points(uv), predicate="intersects")
+        flat = self.frame.coordinates(self.vertices_coords)[self.triangles[triangle]]
+        plane = np.concatenate([flat[..., :2], np.zeros((len(flat), 3, 1))], axis=-1)
         weights = _barycentric(plane, np.pad(uv[query], ((0, 0), (0, 1))))
-        with np.errstate(invalid="ignore"):
-            hit = (weights >= -_ON_EDGE).all(axis=1)
-        query, triangle, weights = query[hit], triangle[hit], weights[hit]
-        height = (weights * flat[triangle][..., 2]).sum(axis=1)
-        order = np.lexsort((height, query))
+        steep = np.isnan(weights[:, 0])  # seen from its edge: its neighbours are hit too
+        query, triangle, weights, flat = (x[~steep] for x in (query, triangle, weights, flat))
+        order = np.lexsort((dot(weights, flat[..., 2]), query))
         last = np.searchsorted(query[order], np.arange(len(uv)), side="right") - 1
-        missed = np.bincount(query, minlength=len(uv)) == 0
-        if missed.any():
-            cure = "Smaller half widths keep the domain on the mesh and its skirt."
-            where = tuple(uv[missed][0].tolist())
-            raise InvalidValue("u, v", where, "lie over the mesh or its skirt", cure)
-        best = order[last]
+        hit = np.bincount(query, minlength=len(uv)) > 0
+        best = order[last[hit]]
         corners = self.vertices_coords[self.triangles[triangle[best]]]
-        points = (weights[best][..., None] * corners).sum(axis=1)
-        return np.column_stack([uv, points, triangle[best]])
+        places = np.column_stack([uv, np.full((len(uv), 4), np.nan)])
+        places[hit, 2:5] = (weights[best][..., None] * corners).sum(axis=1)
+        places[hit, 5] = triangle[best]
+        return places
 
     def point(self, places: FloatArray) -> FloatArray:
         """Points of the surface, shape (n, 3)."""
@@ -167,7 +161,8 @@ class MeshSurface:
 
     def normal(self, places: FloatArray) -> FloatArray:
         """Unit normals, the vertices' ones interpolated, so that they turn steadily, (n, 3)."""
-        corners, weights = self._feet(places[:, 5].astype(np.int64), places[:, 2:5])
+        number = np.where(np.isnan(places[:, 5]), 0.0, places[:, 5]).astype(np.int64)
+        corners, weights = self._feet(number, places[:, 2:5])
         return unit((weights[..., None] * self._vertex_normals[corners]).sum(axis=1))
 
     def distance(
@@ -210,7 +205,7 @@ class MeshSurface:
 
     def inside(self, places: FloatArray) -> BoolArray:
         """Whether places lie on the mesh itself and in the square of the parameters, (n,)."""
-        within = (np.abs(places[:, :2]) <= 1 + 1e-9).all(axis=1)
+        within = np.abs(places[:, :2]).max(axis=1) <= 1 + 1e-9
         inside: BoolArray = within & (places[:, 5] < self.own)
         return inside
 
@@ -226,6 +221,14 @@ class MeshSurface:
         tree = igl.AABB()
         tree.init(self.vertices_coords, self.triangles)
         return tree
+
+    @cached_property
+    def _seen(self) -> Any:
+        """Tree of the triangles as they are seen along the third axis."""
+        import shapely
+
+        flat = self.frame.coordinates(self.vertices_coords)[self.triangles][..., :2]
+        return shapely.STRtree(shapely.polygons(flat))
 
     @cached_property
     def _normals(self) -> FloatArray:
@@ -439,7 +442,8 @@ def _heights(coords: FloatArray, triangles: IntArray) -> FloatArray:
     """The least height of each triangle, shape (m,)."""
     p = coords[triangles]
     longest = norm(p - np.roll(p, 1, axis=1)).max(axis=1)
-    return norm(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])) / longest
+    out: FloatArray = norm(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])) / longest
+    return out
 
 
 def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:

@@ -172,8 +172,8 @@ def test_of_several_sheets_the_upper_one_has_the_parameters():
     over = at < x[tip]
     assert height[over] == pytest.approx(np.interp(at[over], x[: tip + 1], z[: tip + 1]), abs=1e-9)
     assert height[~over].max() < z[tip]
+    coords, faces = ball(2)
     with pytest.raises(InvalidValue, match=r"upward normal at the rim .*cut it off"):
-        coords, faces = ball(2)
         MeshSurface.from_faces(coords, faces[(coords[faces][..., 2] > -0.8).any(axis=1)], up=UP)
 
 
@@ -394,7 +394,7 @@ def test_outlines_around_which_no_skirt_can_be_laid_are_refused():
     horseshoe = ~((np.abs(middle[:, 1]) < 0.6) & (middle[:, 0] > -0.6))
     with pytest.raises(InvalidValue, match=r"outer rim .*rounder outline"):
         MeshSurface.from_faces(coords, quads[horseshoe], up=UP)
-    with pytest.raises(InvalidValue, match="shape of a hole|outer rims"):
+    with pytest.raises(InvalidValue, match=r"shape of a hole|outer rims"):
         MeshSurface.from_faces(*_tube(), up=(1, 0, 0))
     coords_of_ball, faces = ball(3)
     legs = coords_of_ball[faces].mean(axis=1) @ np.array([[0.8, 0, -0.6], [-0.8, 0, -0.6]]).T
@@ -406,8 +406,17 @@ def test_outlines_around_which_no_skirt_can_be_laid_are_refused():
         MeshSurface.from_faces(coords, quads, up=UP, half_widths=(1.0, 0.0))
     with pytest.raises(InvalidValue, match="rows"):
         MeshSurface.from_faces(coords, quads, up=UP, rows=UP)
-    with pytest.raises(InvalidValue, match=r"u, v = \(5.0, 0.0\) .*Smaller half widths"):
-        MeshSurface.from_faces(coords, quads).places(np.array([[0.0, 0.0], [5.0, 0.0]]))
+
+
+def test_places_beyond_the_skirt_are_no_numbers():
+    surface = MeshSurface.from_faces(*plate(waves), up=UP)
+    uv = np.array([[0.0, 0.1], [9.0, 0.0]])
+    places = surface.places(uv)
+    assert (places[:, :2] == uv).all()
+    assert np.isfinite(places[0]).all()
+    assert np.isnan(surface.point(places)[1]).all()
+    assert np.isnan(surface.normal(places)[1]).all()
+    assert surface.inside(places).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(
