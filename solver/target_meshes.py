@@ -25,9 +25,11 @@ _SAME = 1e-9
 _FLAT = 1e-12
 # Feet whose barycentric coordinate is below this lie on the opposite edge.
 _ON_EDGE = 1e-9
-# Width of the skirt in diagonals of the mesh, and how far its rim may lean over.
+# Width of the skirt in diagonals of the mesh, and how far the rim may lean over.
 _SKIRT = 0.5
 _OVERHANG = -0.1
+# How far, in radians about the middle, the teeth of a ragged rim may turn back.
+_BACK = 0.2
 
 
 @dataclass(frozen=True)
@@ -129,8 +131,8 @@ class MeshSurface:
         bare = cls(coords, own, len(own), frame)
         if closed:
             return bare
-        added, extra = _continued(bare, ring, _SKIRT * size)
-        return cls(np.vstack([coords, added]), np.vstack([own, extra]), len(own), frame)
+        every, extra = _continued(bare, ring, _SKIRT * size)
+        return cls(every, np.vstack([own, extra]), len(own), frame)
 
     def places(self, uv: FloatArray) -> FloatArray:
         """Places (n, 6) with the parameters `uv`, on the uppermost sheet.
@@ -379,10 +381,11 @@ def _loops(rim: IntArray) -> list[IntArray]:
 
 
 def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArray, IntArray]:
-    """Vertices and triangles of the skirt around the outer rim and of covers over the holes.
+    """All vertices, and the triangles of the skirt around the outer rim and of covers over holes.
 
     The skirt leaves the rim away from the middle, seen along the third axis, in the tangent planes
-    of the vertices: neighbours never cross where the rim goes once around the middle.
+    of the vertices: neighbours never cross where the rim goes once around the middle. Where teeth
+    of the rim turn back a little, the skirt passes over or under them.
     """
     flat = bare.frame.coordinates(bare.vertices_coords)[:, :2] * bare.frame.half_widths[:2]
     added: list[FloatArray] = []
@@ -409,7 +412,9 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
             extra.append(np.column_stack([after, loop, np.full(len(loop), count)]))
         added.append(points)
         count += len(points)
-    return np.vstack(added), np.vstack(extra)
+    every = np.vstack([bare.vertices_coords, *added])
+    triangles = np.vstack(extra)
+    return every, triangles[_heights(every, triangles) > _FLAT * width]
 
 
 def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) -> FloatArray:
@@ -420,13 +425,18 @@ def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) ->
     if steep.min() < _OVERHANG:
         cure = "The mesh bends back under itself at its rim: cut it off above."
         raise InvalidValue("upward normal at the rim", float(steep.min()), "be above -0.1", cure)
-    turn = _turn(flat[loop], flat[np.roll(loop, -1)])
-    if not (turn > 0).all():
-        cure = (
-            f"It turns back at vertex {int(loop[turn <= 0][0])}: cut the mesh to a rounder outline."
-        )
-        raise InvalidValue("outer rim", f"{len(loop)}-gon", "go once around the middle", cure)
-    outwards = unit(flat[loop]) @ bare.frame.axes[:2]
+    angle = np.unwrap(np.arctan2(flat[loop, 1], flat[loop, 0]))
+    around = np.concatenate([angle - 2 * np.pi, angle, angle + 2 * np.pi])
+    ahead = np.maximum.accumulate(around)[len(loop) : -len(loop)]
+    behind = np.minimum.accumulate(around[::-1])[::-1][len(loop) : -len(loop)]
+    step = np.diff(angle, append=angle[0] + 2 * np.pi)
+    back = float((ahead - behind).max()) if np.abs(step).max() < np.pi else np.inf
+    if back > _BACK:
+        cure = "Cut the mesh to a rounder outline, or look at it from another side (`up`)."
+        bound = f"be below {_BACK}: it goes once around the middle"
+        raise InvalidValue("angle by which the outer rim turns back", back, bound, cure)
+    onwards = (ahead + behind) / 2  # both rise steadily, so that the skirt does not cross itself
+    outwards = np.column_stack([np.cos(onwards), np.sin(onwards)]) @ bare.frame.axes[:2]
     sideways = cross(np.broadcast_to(third, outwards.shape), outwards)
     out: FloatArray = bare.vertices_coords[loop] + width * unit(cross(sideways, normal))
     return out

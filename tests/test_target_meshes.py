@@ -392,7 +392,7 @@ def test_outlines_around_which_no_skirt_can_be_laid_are_refused():
     coords, quads = plate(n=9)
     middle = coords[quads].mean(axis=1)
     horseshoe = ~((np.abs(middle[:, 1]) < 0.6) & (middle[:, 0] > -0.6))
-    with pytest.raises(InvalidValue, match=r"outer rim .*rounder outline"):
+    with pytest.raises(InvalidValue, match=r"outer rim turns back .*rounder outline"):
         MeshSurface.from_faces(coords, quads[horseshoe], up=UP)
     with pytest.raises(InvalidValue, match=r"shape of a hole|outer rims"):
         MeshSurface.from_faces(*_tube(), up=(1, 0, 0))
