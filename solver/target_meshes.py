@@ -145,8 +145,9 @@ class MeshSurface:
         flat = self.frame.coordinates(self.vertices_coords)[self.triangles[triangle]]
         plane = np.concatenate([flat[..., :2], np.zeros((len(flat), 3, 1))], axis=-1)
         weights = _barycentric(plane, np.pad(uv[query], ((0, 0), (0, 1))))
-        steep = np.isnan(weights[:, 0])  # seen from its edge: its neighbours are hit too
-        query, triangle, weights, flat = (x[~steep] for x in (query, triangle, weights, flat))
+        # triangles seen from their edges have none, but then their neighbours are hit too
+        good = np.flatnonzero(np.isfinite(weights[:, 0]))
+        query, triangle, weights, flat = (x[good] for x in (query, triangle, weights, flat))
         order = np.lexsort((dot(weights, flat[..., 2]), query))
         last = np.searchsorted(query[order], np.arange(len(uv)), side="right") - 1
         hit = np.bincount(query, minlength=len(uv)) > 0
@@ -179,7 +180,7 @@ class MeshSurface:
         vertices (Baerentzen and Aanaes, IEEE TVCG 11, 2005), right for any angle of the faces.
         Points that are not finite stay so.
         """
-        finite = np.isfinite(points).all(axis=1)
+        finite = np.logical_and.reduce(np.isfinite(points), axis=1)
         asked = np.where(finite[:, None], points, self.frame.origin)
         squared, number, foot = self._tree.squared_distance(
             self.vertices_coords, self.triangles, np.ascontiguousarray(asked)
