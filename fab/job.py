@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_type_hints
 
-from pydantic import Field, ValidationError, create_model, model_validator
+from pydantic import Field, PrivateAttr, ValidationError, create_model, model_validator
 
 from fab.development import Development
 from fab.errors import InvalidJob
@@ -19,6 +19,7 @@ from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
 from fab.settings import Settings
 from solver import DESIGNS, Design
+from solver.targets import Target
 
 __all__ = ["Job", "SheetSettings", "design_key", "load_job", "parse_job"]
 
@@ -26,22 +27,46 @@ __all__ = ["Job", "SheetSettings", "design_key", "load_job", "parse_job"]
 class DesignSettings(Settings):
     """Base of the `design` tables; one for each design of the solver."""
 
-    def design(self) -> Design:
-        """The solver's design with these parameters, angles in radians."""
+    def design(self, folder: Path) -> Design:
+        """The solver's design with these parameters, angles in radians.
+
+        folder : where files that the job names are looked for. Raises `InvalidFile` for those that
+        cannot be used.
+        """
         values = self.model_dump()
         cls = DESIGNS[values.pop("kind")]
-        turned = {
-            field.name: math.radians(values[design_key(field)])
-            if _is_angle(field)
-            else values[field.name]
-            for field in dataclasses.fields(cls)
-        }
-        design: Design = cls(**turned)  # type: ignore[arg-type]
+        given = {}
+        for field in dataclasses.fields(cls):
+            value = values[design_key(field)]
+            if _is_angle(field):
+                value = math.radians(value)
+            elif _is_target(field):
+                value = _target(value, values["face"], folder)
+            given[field.name] = value
+        design: Design = cls(**given)
         return design
+
+
+def _target(surface: str, face: int | None, folder: Path) -> str | Target:
+    """A surface by name, or from a file (which is told by its ending)."""
+    if Path(surface).suffix:
+        from fab.surface_file import read_surface
+
+        return read_surface(folder / surface, face)
+    if face is not None:
+        raise InvalidJob(
+            f"design.face = {face} must be left out for surface = {surface!r}: only STEP files "
+            "have faces to choose from."
+        )
+    return surface
 
 
 def _is_angle(field: dataclasses.Field[Any]) -> bool:
     return bool(field.metadata.get("angle"))
+
+
+def _is_target(field: dataclasses.Field[Any]) -> bool:
+    return bool(field.metadata.get("target"))
 
 
 def design_key(field: dataclasses.Field[Any]) -> str:
@@ -55,7 +80,9 @@ def _design_settings(kind: str, cls: type[Design]) -> type[DesignSettings]:
     fields: dict[str, Any] = {"kind": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):
         default = round(math.degrees(field.default), 10) if _is_angle(field) else field.default  # type: ignore[arg-type]
-        fields[design_key(field)] = (types[field.name], default)
+        fields[design_key(field)] = (str if _is_target(field) else types[field.name], default)
+        if _is_target(field):  # a file may hold several surfaces
+            fields["face"] = (int | None, None)
     return create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **fields)
 
 
@@ -105,6 +132,12 @@ class Job(Settings):
     perforation: PerforationSettings = PerforationSettings()
     panels: PanelSettings = PanelSettings()
     hinges: HingeSettings = HingeSettings()
+    _folder: Path = PrivateAttr(default=Path())
+
+    @property
+    def folder(self) -> Path:
+        """Where files that the job names are looked for."""
+        return self._folder
 
     @model_validator(mode="after")
     def _web_below_panel(self) -> Job:
@@ -132,7 +165,7 @@ def load_job(path: Path, changes: Sequence[str] = ()) -> Job:
         raise InvalidJob(f"{path}: not a TOML file: {error}.") from error
     for change in changes:
         _apply(document, change)
-    return parse_job(document, str(path))
+    return parse_job(document, str(path), path.parent)
 
 
 def _text(path: Path) -> str:
@@ -159,13 +192,17 @@ def _apply(document: dict[str, Any], change: str) -> None:
     table[parts[-1]] = value
 
 
-def parse_job(document: Mapping[str, Any], source: str = "job") -> Job:
-    """Check a job given as nested tables. Raises `InvalidJob`; `source` begins its message."""
+def parse_job(document: Mapping[str, Any], source: str = "job", folder: Path = Path()) -> Job:
+    """Check a job given as nested tables. Raises `InvalidJob`; `source` begins its message.
+
+    folder : where files that the job names are looked for.
+    """
     try:
         job = Job.model_validate(document)
     except ValidationError as error:
         lines = [_explain(e, document) for e in error.errors(include_url=False)]
         raise InvalidJob(f"{source}: " + "\n".join(lines)) from error
+    job._folder = folder
     return job
 
 

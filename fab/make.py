@@ -101,7 +101,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     clock = _Clock(progress)
     findings: list[Finding] = []
     with clock.stage("grow") as step, _named(job):
-        growth = job.design.design().grow(step)
+        growth = job.design.design(job.folder).grow(step)
     findings += _growth_findings(growth)
     with clock.stage("develop"), _named(job):
         mesh = growth.mesh.cut_open()  # rings and tubes lie flat along a cut
@@ -133,7 +133,12 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     report = {
         "quadfold": _version(),
         "job": job.model_dump(mode="json"),
-        "growth": {"status": growth.status, "strips": growth.strips, "advice": growth.advice},
+        "growth": {
+            "status": growth.status,
+            "strips": growth.strips,
+            "advice": growth.advice,
+            "coverage": growth.coverage,
+        },
         "counts": {
             "vertices": len(pattern.vertices_coords),
             "faces": pattern.face_count,

@@ -31,17 +31,18 @@ from solver.vectors import BoolArray, FloatArray, dot, norm, unit
 
 __all__ = ["fit_surface"]
 
-# Flap angles tried all around the circle; how near the last good one the next is expected; and
-# what is much worse.
+# Flap angles tried all around the circle; how near the last good one the next is expected; and how
+# much more each crease may miss its mirror image there before all are tried again, as 1 - cosine.
 _TRIALS = 1441
 _NEAR = 0.05
-_WORSE = 1.2
+_WORSE = 0.05
 
 # What is tried where it is not given: zigzags in steps of v, distances of rows in thicknesses.
 _ZIGZAGS = (3.0, 5.0, 8.0, 2.0, 12.0)
 _ROW_STEPS = (1.0, 1.4, 0.7, 2.0, 2.8, 4.0)
-# A sheet that covers less than this share of the domain has not covered it.
-_ALL = 0.999
+# A sheet that passes the domain and covers this share of it is good enough to look no further:
+# what it misses lies at its sides, where a longer seed reaches.
+_ENOUGH = 0.95
 # Sample points of the domain, along u and along v, by which coverage is counted.
 _SAMPLES = 100
 # Columns added on either side, one number after another, where a trimmed sheet is too narrow.
@@ -67,10 +68,10 @@ class _Fit:
     places: FloatArray
 
     @property
-    def covers(self) -> float:
-        """Share of the domain under the sheet."""
+    def rank(self) -> tuple[bool, float]:
+        """Whether growth passed the domain, and which share of it is covered: more is better."""
         assert self.growth.coverage is not None
-        return self.growth.coverage
+        return self.growth.status is Status.GROWN, self.growth.coverage
 
 
 def fit_surface(
@@ -93,7 +94,7 @@ def fit_surface(
     columns : quads across the domain.
     thickness : distance of the two offsets.
     zigzag, row_step : swing of the seed's rows along u, and their distance. Where one is not
-        given, the first that covers the domain is taken, or else the one that covers most of it.
+        given, the first that passes the domain is taken, or else the one that covers most of it.
     trim : drop the faces that lie outside the domain altogether, having begun with a longer seed
         where the sheet would miss a part at its sides.
     progress : called with the number of strips grown and about how many are needed.
@@ -115,9 +116,9 @@ def fit_surface(
         except InvalidValue as error:
             refused = error
             continue
-        if best is None or fit.covers > best.covers:
+        if best is None or fit.rank > best.rank:
             best, chosen = fit, setting
-        if fit.covers >= _ALL and fit.growth.status is Status.GROWN:
+        if fit.rank >= (True, _ENOUGH):
             break
     if best is None:
         assert refused is not None  # one setting at least was tried
@@ -238,11 +239,14 @@ class _Follower:
             return None
         mirror = _Mirror.of(front, self.target.normal(self.places[1:-1]))
         known = self.found.get(parity)
-        angle = None if known is None else mirror.minimum(known[0] - _NEAR, known[0] + _NEAR)
-        if known is None or angle is None or not _free(free, angle):
-            angle = mirror.best_of(free)
-        elif mirror.cost(np.array([angle]))[0] > _WORSE * known[1]:
-            angle = mirror.best_of(free)
+        if known is not None:
+            angle = mirror.minimum(known[0] - _NEAR, known[0] + _NEAR)
+            if angle is not None and _free(free, angle):
+                cost = float(mirror.cost(np.array([angle]))[0])
+                if cost <= known[1] + _WORSE * len(front.beta):
+                    self.found[parity] = angle, cost
+                    return angle
+        angle = mirror.best_of(free)
         self.found[parity] = angle, float(mirror.cost(np.array([angle]))[0])
         return angle
 
@@ -365,13 +369,13 @@ def _trimmed(
 ) -> Growth:
     """The sheet without faces outside the domain, grown wider first where a part is missing."""
     for extra in _EXTRAS:
-        if fit.covers >= 1.0 or fit.growth.status is not Status.GROWN:
+        if fit.rank >= (True, 1.0) or not fit.rank[0]:
             break
         try:
             wider = _grown(target, replace(setting, extra=extra), progress)
         except InvalidValue:
             break
-        if wider.covers > fit.covers:
+        if wider.rank > fit.rank:
             fit = wider
     places = fit.places
     inside = target.inside(places.reshape(-1, places.shape[2])).reshape(places.shape[:2])

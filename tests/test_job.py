@@ -84,7 +84,7 @@ def test_there_is_a_template_for_every_design():
 def test_designs_of_the_job_are_those_of_the_solver_by_default():
     for kind, cls in DESIGNS.items():
         job = parse_job({**SMALL, "design": {"kind": kind}})
-        design = job.design.design()
+        design = job.design.design(job.folder)
         for name in cls.__dataclass_fields__:
             value, default = getattr(design, name), getattr(cls(), name)
             assert value == (pytest.approx(default, rel=1e-11) if name != "surface" else default)

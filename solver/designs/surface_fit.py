@@ -15,7 +15,7 @@ from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["SURFACES", "SurfaceFit"]
 
-_ROUND = 0.8 * np.pi  # half of what the cylinders cover of a turn
+_ROUND = 0.75 * np.pi  # half of what the cylinders cover of a turn
 _TWIST = 0.75  # half of what the helicoid covers along its ruling and of its turn
 
 
@@ -36,7 +36,7 @@ def _round(radius: Callable[[FloatArray], FloatArray]) -> ParametricSurface:
 
     def position(u: FloatArray, v: FloatArray) -> FloatArray:
         r = radius(v)
-        return np.column_stack([r * np.sin(_ROUND * u), v * _ROUND, r * np.cos(_ROUND * u)])
+        return np.column_stack([r * np.sin(_ROUND * u), 1.5 * v, r * np.cos(_ROUND * u)])
 
     return ParametricSurface(position)
 
@@ -72,10 +72,10 @@ def _helicoid_within(u: FloatArray, v: FloatArray) -> BoolArray:
 
 
 SURFACES: dict[str, Target] = {
-    "barrel": _round(lambda v: 1.0 - 0.15 * v**2 * _ROUND),
+    "barrel": _round(lambda v: 1.0 - 0.2 * v**2),
     "cylinder": _round(lambda v: np.ones_like(v)),
     "helicoid": ParametricSurface(_helicoid, within=_helicoid_within),
-    "hourglass": _round(lambda v: 0.7 + 0.15 * v**2 * _ROUND),
+    "hourglass": _round(lambda v: 0.8 + 0.2 * v**2),
     "hypar": ParametricSurface(_hypar),
     "landscape": ParametricSurface(_landscape),
     "paraboloid": ParametricSurface(_paraboloid),
@@ -98,7 +98,7 @@ class SurfaceFit:
     trim : whether faces outside the surface's domain are dropped.
     """
 
-    surface: str | Target = "waves"
+    surface: str | Target = field(default="waves", metadata={"target": True})
     columns: int = 40
     thickness: float = 1.0
     zigzag: float | None = None
