@@ -115,7 +115,7 @@ class MeshSurface:
         if up is None:
             mean = doubled.sum(axis=0)
             if norm(mean) < 1e-6 * norm(doubled).sum():
-                cure = "The mesh is closed: say from which side it is seen."
+                cure = "It is closed: cut it to the part to be followed, or give `up`."
                 raise InvalidValue("up", None, "be given where normals cancel out", cure)
             up = unit(mean)
         third = vector("up", up)

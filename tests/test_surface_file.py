@@ -26,7 +26,9 @@ from build123d import (
 
 from fab.errors import InvalidFile
 from fab.surface_file import SplineFace, _spline_face, read_surface
+from solver import Status, developability, planarity
 from solver.errors import InvalidValue
+from solver.fitting import fit_surface
 from solver.target_meshes import MeshSurface
 
 TURN = Rot(20, 30, 40)
@@ -269,3 +271,19 @@ def test_faces_that_are_no_exact_splines_are_refused(tmp_path):
     export_step(Face(BRepBuilderAPI_MakeFace(surface, 1e-6).Face()), tmp_path / "offset.step")
     with pytest.raises(InvalidValue, match=r"kind of the face = offset .*B-spline"):
         read_surface(tmp_path / "offset.step")
+
+
+def test_a_sheet_grows_on_a_free_form_face(tmp_path):
+    """A gentle wave over 2.4 mm by 2 mm, to the rim."""
+    grid = [
+        [Vector(x, y, 0.25 * np.sin(2 * x) * np.cos(1.7 * y)) for y in np.linspace(-1, 1, 9)]
+        for x in np.linspace(-1.2, 1.2, 9)
+    ]
+    export_step(Face.make_surface_from_array_of_points(grid), tmp_path / "wave.step")
+    surface = read_surface(tmp_path / "wave.step")
+    growth = fit_surface(surface, 20, zigzag=3.0, row_step=1.0)
+    coords, faces = growth.mesh.vertices_coords, growth.mesh.faces_vertices
+    assert growth.status is Status.GROWN
+    assert growth.coverage > 0.98
+    assert planarity(coords, faces).max() < 1e-13
+    assert developability(coords, faces).max() < 1e-13

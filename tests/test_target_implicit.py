@@ -5,7 +5,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from solver import Status, developability, planarity
 from solver.errors import InvalidValue
+from solver.fitting import fit_surface
 from solver.target_frames import Frame
 from solver.target_implicit import ImplicitSurface
 
@@ -187,3 +189,17 @@ def test_points_already_on_the_surface_have_no_distance(x, y):
     distance, slope, _ = surface.distance(point, np.pad(point, ((0, 0), (2, 0))))
     assert abs(distance[0]) < 1e-15
     assert slope == pytest.approx(point)
+
+
+def test_a_sheet_grows_on_a_torus_and_lies_on_its_offsets():
+    frame = Frame.along((0, 0, 1), origin=(RING, 0, 0), half_widths=(0.18, 0.24, 0.5))
+    surface = ImplicitSurface(torus_squared, frame, torus_squared_gradient)
+    growth = fit_surface(surface, 16, zigzag=3.0, row_step=1.0)
+    coords, faces = growth.mesh.vertices_coords, growth.mesh.faces_vertices
+    assert growth.status is Status.GROWN
+    assert growth.coverage > 0.99
+    assert planarity(coords, faces).max() < 1e-13
+    assert developability(coords, faces).max() < 1e-13
+    height = np.abs(torus(coords))
+    assert np.ptp(height) < 1e-13
+    assert height[0] > 0.001

@@ -6,7 +6,9 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from solver import Status, developability, planarity
 from solver.errors import InvalidValue
+from solver.fitting import fit_surface
 from solver.target_meshes import MeshSurface
 
 seeds = st.integers(0, 2**32 - 1)
@@ -369,7 +371,7 @@ TRIANGLE = np.array([[0, 1, 2]])
         (COORDS, QUADS[[0, 3]], "pieces of the mesh = 2"),
         (*_moebius(), "sides of the mesh"),
         (*_tube(), "up = None"),
-        (*ball(1), "up = None .*from which side"),
+        (*ball(1), "up = None .*It is closed"),
     ],
 )
 def test_meshes_that_cannot_be_followed_are_refused(coords, faces, match):
@@ -439,3 +441,16 @@ def test_files_that_hold_no_mesh_are_refused(tmp_path, name, content, match):
         (tmp_path / name).write_bytes(content)
     with pytest.raises(InvalidValue, match=match):
         MeshSurface.read(tmp_path / name)
+
+
+def test_a_sheet_grows_on_a_dome_and_lies_on_its_offsets():
+    surface = MeshSurface.from_faces(*dome(5, floor=0.6))
+    growth = fit_surface(surface, 20, zigzag=5.0, row_step=1.0)
+    coords, faces = growth.mesh.vertices_coords, growth.mesh.faces_vertices
+    assert growth.status is Status.GROWN
+    assert growth.coverage > 0.99
+    assert planarity(coords, faces).max() < 1e-13
+    assert developability(coords, faces).max() < 1e-13
+    distance = np.abs(surface.distance(coords, coords)[0])
+    assert np.ptp(distance) < 1e-13
+    assert distance[0] > 0.01
