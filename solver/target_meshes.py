@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +29,8 @@ _ON_EDGE = 1e-9
 # Width of the skirt in diagonals of the mesh, and how far the rim may lean over.
 _SKIRT = 0.5
 _OVERHANG = -0.1
+# Rings of quads in the skirt: where it is twisted, smaller triangles meet at blunter edges.
+_RINGS = 8
 # How far, in radians about the middle, the teeth of a ragged rim may turn back.
 _BACK = 0.2
 
@@ -401,9 +404,10 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
         after = np.roll(loop, -1)
         if is_outer:
             points = _skirt(bare, flat, loop, width)
-            own = count + np.arange(len(loop))
-            out = np.roll(own, -1)
-            extra += [np.column_stack([after, loop, own]), np.column_stack([own, out, after])]
+            rings = np.vstack([loop, count + np.arange(len(points)).reshape(_RINGS, -1)])
+            for ring, out in itertools.pairwise(rings):
+                on, out_on = np.roll(ring, -1), np.roll(out, -1)
+                extra += [np.column_stack([on, ring, out]), np.column_stack([out, out_on, on])]
         else:
             points = bare.vertices_coords[loop].mean(axis=0)[None]
             middle = flat[loop].mean(axis=0)
@@ -419,7 +423,7 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
 
 
 def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) -> FloatArray:
-    """Outer vertices of the skirt, one for each vertex of the outer rim, shape (n, 3)."""
+    """Vertices of the skirt, ring after ring, each parallel to the outer rim, shape (k n, 3)."""
     third = bare.frame.axes[2]
     normal = bare._vertex_normals[loop]
     steep = normal @ third
@@ -439,8 +443,8 @@ def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) ->
     onwards = (ahead + behind) / 2  # both rise steadily, so that the skirt does not cross itself
     outwards = np.column_stack([np.cos(onwards), np.sin(onwards)]) @ bare.frame.axes[:2]
     sideways = cross(np.broadcast_to(third, outwards.shape), outwards)
-    out: FloatArray = bare.vertices_coords[loop] + width * unit(cross(sideways, normal))
-    return out
+    steps = np.linspace(0.0, width, _RINGS + 1)[1:, None, None] * unit(cross(sideways, normal))
+    return (bare.vertices_coords[loop] + steps).reshape(-1, 3)
 
 
 def _turn(one: FloatArray, two: FloatArray) -> FloatArray:
