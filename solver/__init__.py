@@ -21,6 +21,9 @@ from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
+from solver.target_frames import Frame
+from solver.target_implicit import ImplicitSurface
+from solver.target_meshes import MeshSurface
 from solver.targets import ParametricSurface, Target, TurnedTarget, explicit_surface, ray_hit
 
 __all__ = [
@@ -32,9 +35,12 @@ __all__ = [
     "Crumpled",
     "CurvedFold",
     "Design",
+    "Frame",
     "Front",
     "Growth",
+    "ImplicitSurface",
     "InvalidValue",
+    "MeshSurface",
     "Miura",
     "OrigamiError",
     "ParametricSurface",
