@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from helpers import published
+from helpers import angle_at, published
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from strategies import curves, sheets
 
 from solver import (
     CurvedFold,
@@ -108,6 +109,39 @@ def test_mirrored_input_and_flap_angles_give_the_mirrored_sheet():
     flap = 7 * np.pi / 8
     assert np.abs(sheet(seed * mirror, -flap) * mirror - sheet(seed, flap)).max() < 1e-13
     assert np.abs(sheet(seed * mirror, flap) * mirror - sheet(seed, flap)).max() > 1e-3
+
+
+@given(curves(), st.floats(0.1, 6.18), st.integers(0, 2**32 - 1))
+def test_growth_moves_turns_grows_and_mirrors_with_its_seed(curve, flap, seed):
+    points, k = curve
+    motion, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    handed = np.sign(np.linalg.det(motion))
+
+    def sheet(points, flap, size):
+        # the middle vertex leads, so that errors have few vertices to grow on
+        at = 1 + len(k) // 2
+        strip = Strip(flap, lambda rays: 0.3 * rays.length_bounds.clip(max=size), at)
+        return grow(seeds.curve(points), 2, lambda front, j: strip, k=k).mesh
+
+    here = sheet(points, flap, 1.0)
+    there = sheet(4 * points @ motion + 7.0, handed * flap, 4.0)
+    assert here.grid.shape == there.grid.shape
+    moved = 4 * here.vertices_coords @ motion + 7.0
+    assert np.abs(there.vertices_coords - moved).max() < 1e-9
+
+
+@given(sheets())
+def test_sectors_around_every_interior_vertex_add_up_to_a_full_turn(mesh):
+    total = np.zeros(len(mesh.vertices_coords))
+    for face in mesh.faces_vertices.tolist():
+        corners = mesh.vertices_coords[face]
+        sectors = np.array([angle_at(*corners[[i - 1, i, (i + 1) % 4]].tolist()) for i in range(4)])
+        # the sectors of a plane quad add up to 2 pi: what is missing tells the reflex one
+        missing = 2 * np.pi - sectors.sum()
+        i = int(np.argmin(np.abs(2 * (np.pi - sectors) - missing)))
+        sectors[i] += missing if missing > 1e-3 else 0.0
+        total[face] += sectors
+    assert total[mesh.grid[1:-1, 1:-1]] == pytest.approx(2 * np.pi, abs=1e-6)
 
 
 def miura_flap(front: Front, strip: int) -> float:
