@@ -46,6 +46,9 @@ _LOG_RANGE = 300.0
 _SAME = 1e-12
 # Two roots nearer to each other than this are one: rounding alone parts a double root that far.
 _DOUBLE = 1e-6
+# A loop that misses itself by less, in radians, is closed to rounding; more walks do not help.
+_CLOSED = 1e-13
+_WALKS = 5
 
 
 def coupling(beta: FloatArray, k: FloatArray) -> FloatArray:
@@ -182,8 +185,8 @@ class Closings:
     case : PAIR, two of them; CONTINUATION, a double root; FAMILY, every flap angle; NONE.
     flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known and
         in rising order elsewhere; empty for FAMILY and NONE.
-    start : for each of them the vertex to begin the chain at, and the flap angle there: vertex 0,
-        or the last one where the way forwards spreads errors (backwards it contracts them).
+    start : for each of them the vertex to begin the chain at, and the flap angle there, so that
+        rounding errors shrink on the way.
     separation : angle between the two roots on the circle, radians (0 for a double root).
     """
 
@@ -205,7 +208,7 @@ def loop_closings(
         point, and the other one follows from it without cancellation. None where the front is a
         curve: then the quadratic is solved.
     """
-    loop, determinant = _loop_matrix(couplings, deltas)
+    loop = _loop_matrix(couplings, deltas)
     size = float(np.abs(loop).max())
     if continuation is None:
         first = _fixed_direction(loop)
@@ -228,36 +231,46 @@ def loop_closings(
     angles = full_turn(2 * np.arctan2(*np.array(roots).T))
     starts = []
     for root, angle in zip(roots, angles.tolist(), strict=True):
-        image = loop @ root
-        slope = determinant / float(image @ image)  # derivative of the map at its fixed point
-        starts.append(_polished(couplings, deltas, angle, slope))
+        value = float(root @ loop @ root)
+        starts.append(_start(couplings, deltas, angle, value, float(np.trace(loop)) - value))
     return Closings(case, angles, tuple(starts), separation)
 
 
-def _polished(
-    couplings: FloatArray, deltas: FloatArray, angle: float, slope: float
+def _start(
+    couplings: FloatArray, deltas: FloatArray, angle: float, value: float, other: float
 ) -> tuple[int, float]:
-    """Where to begin a chain that closes, and the flap angle there after two Newton steps.
+    """Where to begin a chain that closes, and the flap angle there.
 
-    angle : at vertex 0; slope : derivative of the map once around. A map that expands is followed
-    backwards, from the last vertex, so that rounding errors shrink on the way.
+    angle : at vertex 0; value : eigenvalue of the loop matrix for it; other : the other eigenvalue.
+
+    A map that expands is followed backwards, from the last vertex, so that rounding errors shrink
+    on the way. Where they grow in between nevertheless, the chain begins at the vertex up to which
+    they grow most: from there they shrink both ways.
     """
-    last = len(couplings) - 1
-    if abs(slope) > 1:
-        begin, end, slope = last, 0, 1 / slope
-        angle = _before(angle, couplings[-1], deltas[-1])
-    else:
-        begin, end = 0, last
-    for _ in range(2 if abs(slope - 1) > _DOUBLE else 0):
-        s, c = half_angles(couplings, deltas[:-1], angle, begin)
-        reached = float(2 * np.arctan2(s[end], c[end]))
-        if begin == last:
-            around = _before(reached, couplings[-1], deltas[-1])
-        else:
-            around = _after(reached, couplings[-1], deltas[-1])
-        miss = math.remainder(around - angle, 2 * math.pi)
-        angle -= miss / (slope - 1)
-    return begin, angle % (2 * math.pi)
+    at = 0
+    if abs(value) < abs(other):
+        at, angle = len(couplings) - 1, _before(angle, couplings[-1], deltas[-1])
+    best = math.inf, at, angle
+    for _ in range(_WALKS):
+        s, c = half_angles(couplings, deltas[:-1], angle, at)
+        miss = abs(_miss(couplings, deltas[-1], s, c))
+        best = min(best, (miss, at, angle))
+        if miss < _CLOSED:
+            break
+        growth = np.cumsum(np.log(couplings / ((couplings * c) ** 2 + s * s)))
+        at = (int(np.argmax(growth)) + 1) % len(couplings)
+        loop = _loop_matrix(np.roll(couplings, -at), np.roll(deltas, -at))
+        # the loop from another vertex has the same eigenvalues up to a positive factor
+        values, vectors = np.linalg.eig(loop)
+        root = vectors[:, np.argsort(values.real)[int(value > other)]].real
+        angle = float(2 * np.arctan2(root[0], root[1]))
+    return best[1], best[2] % (2 * math.pi)
+
+
+def _miss(couplings: FloatArray, closing_delta: float, s: FloatArray, c: FloatArray) -> float:
+    """Flap angle after once around minus that at vertex 0, radians in [-pi, pi]."""
+    reached, first = float(2 * np.arctan2(s[-1], c[-1])), float(2 * np.arctan2(s[0], c[0]))
+    return math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
 
 
 def _after(flap_angle: float, coupling_there: float, delta: float) -> float:
@@ -285,9 +298,7 @@ def loop_miss(
     spread : the change of every delta that makes up for it, to first order, all of one size and
         signed so that they add up (the closing delta keeps its own share), shape (N - 1,).
     """
-    reached = float(2 * np.arctan2(s[-1], c[-1]))
-    first = float(2 * np.arctan2(s[0], c[0]))
-    miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
+    miss = _miss(couplings, closing_delta, s, c)
     # slope of each step, and of the way from behind each step to the end of the loop
     slopes = -couplings / ((couplings * c) ** 2 + s * s)
     ahead = np.cumprod(slopes[:0:-1])[::-1]
@@ -296,13 +307,9 @@ def loop_miss(
     return miss, spread
 
 
-def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray, float]:
-    """Product of all steps, each of determinant -1, over its largest entry; and its determinant.
-
-    The determinant is carried along: of a product that stretches much the entries do not tell it.
-    """
+def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
+    """Product of all steps, each of determinant -1, over its largest entry, shape (2, 2)."""
     product = np.eye(2)
-    logarithm = 0.0
     root = np.sqrt(couplings)
     cos_half, sin_half = np.cos(deltas / 2), np.sin(deltas / 2)
     steps = np.stack(
@@ -310,10 +317,8 @@ def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray,
     ).reshape(-1, 2, 2)
     for step in steps:
         product = step @ product
-        scale = float(np.abs(product).max())
-        product /= scale
-        logarithm -= 2 * math.log(scale)
-    return product, (-1.0) ** len(steps) * math.exp(logarithm)
+        product /= np.abs(product).max()
+    return product
 
 
 def _fixed_direction(loop: FloatArray) -> FloatArray | None:
