@@ -11,7 +11,7 @@ import numpy as np
 from solver.errors import InvalidValue, require_count
 from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
-from solver.vectors import FloatArray
+from solver.vectors import LARGEST, SMALLEST, FloatArray
 
 __all__ = ["Growth", "Status", "Stop", "Strip", "grow"]
 
@@ -32,6 +32,8 @@ class Status(StrEnum):
 _MOST_QUADS = 20_000_000
 # A loop's flap angle may miss itself by this much, radians.
 _CLOSED = 1e-9
+# Creases shorter than this share of the coordinates are lost in rounding.
+_RESOLVED = 1e-13
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
 
 
@@ -119,8 +121,13 @@ def grow(
         choice = choose(front, j)
         if isinstance(choice, Stop):
             return Growth(mesh.extended(side, rows[:j]), j, choice.status, choice.advice)
+        if not isinstance(choice, Strip):
+            raise InvalidValue(
+                "what `choose` returns", repr(choice), "be a Strip or a Stop", "See `grow`."
+            )
         rays = front.rays(choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles)
-        lengths = _lengths(choice, rays)
+        given = choice.lengths(rays) if callable(choice.lengths) else choice.lengths
+        lengths = rays.each(given)
         if rays.closing_error > _CLOSED:
             advice = (
                 f"Strip {j + 1} of {strips}: once around the loop the flap angle misses itself by "
@@ -140,29 +147,16 @@ def grow(
     return Growth(mesh.extended(side, rows), strips)
 
 
-def _lengths(choice: Strip, rays: Rays) -> FloatArray:
-    given = choice.lengths(rays) if callable(choice.lengths) else choice.lengths
-    lengths = np.asarray(given, float)
-    size = len(rays.directions)
-    if lengths.shape == (size,):
-        return lengths
-    if lengths.ndim:
-        raise InvalidValue(
-            "lengths",
-            f"array of shape {lengths.shape}",
-            f"be a number or have shape ({size},)",
-            "Give one length for all creases, or one for each front vertex.",
-        )
-    return np.full(size, lengths)
-
-
 def _length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
     """The first vertex whose length cannot be used, why, and the bound; None where all can."""
-    if lengths.min() > 0 and (lengths < rays.length_bounds).all():
+    # shorter creases would drown in the rounding of the coordinates
+    least = max(SMALLEST, _RESOLVED * float(np.abs(rays.vertices_coords).max()))
+    if lengths.min() > least and lengths.max() < LARGEST and (lengths < rays.length_bounds).all():
         return None
-    unusable = np.flatnonzero(~(np.isfinite(lengths) & (lengths > 0)))
+    unusable = np.flatnonzero(~((lengths > least) & (lengths < LARGEST)))
     if len(unusable):
-        return int(unusable[0]), Status.LENGTH_NOT_POSITIVE, "be finite and greater than 0"
+        bound = f"be finite and greater than 0, {least:.2g} at least and {LARGEST:g} at most"
+        return int(unusable[0]), Status.LENGTH_NOT_POSITIVE, bound
     i = int(np.flatnonzero(lengths >= rays.length_bounds)[0])
     bound = f"be below {rays.length_bounds[i]:.9g}, where neighbouring creases meet"
     return i, Status.LENGTH_OVER_BOUND, bound

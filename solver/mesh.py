@@ -28,7 +28,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InvalidValue
-from solver.vectors import BoolArray, FloatArray, IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
 __all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
 
@@ -44,6 +44,12 @@ class Side(StrEnum):
 
 # Quarter turns (numpy.rot90) that bring a side to the top; fronts then run left to right.
 _TURNS = {Side.TOP: 0, Side.LEFT: 1, Side.BOTTOM: 2, Side.RIGHT: 3}
+
+
+def _turns(side: Side) -> int:
+    if side not in list(Side):
+        raise InvalidValue("side", repr(side), f"be one of {', '.join(Side)}", "See `Side`.")
+    return _TURNS[side]
 
 
 @dataclass(frozen=True)
@@ -90,9 +96,10 @@ class QuadMesh:
 
         closed : whether each row is a loop; its first vertex is not repeated.
 
-        Raises `InvalidValue` for other shapes, fewer than 3 columns, or values that are not finite.
+        Raises `InvalidValue` for other shapes, fewer than 3 columns, or bad coordinates (see
+        `solver.vectors.points`).
         """
-        coords = np.array(rows, dtype=np.float64)
+        coords = numbers("rows", rows)
         if coords.ndim != 3 or coords.shape[2] != 3 or coords.shape[0] < 1 or coords.shape[1] < 3:
             raise InvalidValue(
                 "rows",
@@ -100,12 +107,10 @@ class QuadMesh:
                 "have shape (rows, columns, 3) with at least 1 row and 3 columns",
                 "Give one row of points per grid row.",
             )
-        if not np.isfinite(coords).all():
-            raise InvalidValue(
-                "rows", "NaN or infinity", "hold finite coordinates", "Check where they come from."
-            )
         grid = np.arange(coords.shape[0] * coords.shape[1]).reshape(coords.shape[:2])
-        return cls(coords.reshape(-1, 3), _grid_faces(grid, closed), grid, closed)
+        return cls(
+            points("rows", coords.reshape(-1, 3)).copy(), _grid_faces(grid, closed), grid, closed
+        )
 
     @cached_property
     def edges(self) -> Edges:
@@ -118,12 +123,12 @@ class QuadMesh:
             raise InvalidValue(
                 "side", side, "be top or bottom on a closed patch", "Cut it open for other sides."
             )
-        front: IntArray = np.rot90(self.grid, _TURNS[side])[-1]
+        front: IntArray = np.rot90(self.grid, _turns(side))[-1]
         return front
 
     def previous_vertices(self, side: Side) -> IntArray | None:
         """Vertex numbers of the grid line behind the front; None where the front is a curve."""
-        turned = np.rot90(self.grid, _TURNS[side])
+        turned = np.rot90(self.grid, _turns(side))
         if len(turned) == 1:
             return None
         behind: IntArray = turned[-2]
@@ -131,15 +136,23 @@ class QuadMesh:
 
     def extended(self, side: Side, rows: FloatArray) -> QuadMesh:
         """The mesh with `rows`, shape (n, C', 3), grown one after another on `side`."""
-        count, width = rows.shape[:2]
+        width = len(self.front_vertices(side))
+        if rows.ndim != 3 or rows.shape[1:] != (width, 3):
+            raise InvalidValue(
+                "rows",
+                f"array of shape {rows.shape}",
+                f"have shape (n, {width}, 3)",
+                "Give as many points a row as the side has vertices.",
+            )
+        count = len(rows)
         new = len(self.vertices_coords) + np.arange(count * width).reshape(count, width)
-        turned = np.rot90(self.grid, _TURNS[side])
+        turned = np.rot90(self.grid, _turns(side))
         grown = np.vstack([turned, new])
         faces = _grid_faces(grown[len(turned) - 1 :], self.closed)
         return QuadMesh(
             np.concatenate([self.vertices_coords, rows.reshape(-1, 3)]),
             np.concatenate([self.faces_vertices, faces]),
-            np.rot90(grown, -_TURNS[side]).copy(),
+            np.rot90(grown, -_turns(side)).copy(),
             self.closed,
         )
 

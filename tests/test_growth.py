@@ -15,6 +15,7 @@ from solver import (
     QuadMesh,
     Side,
     Status,
+    Stop,
     Strip,
     developability,
     grow,
@@ -173,11 +174,62 @@ def test_a_seed_that_cannot_grow_says_why():
         grow(seed, 1, lambda front, strip: closing)
 
 
-@pytest.mark.parametrize("lengths", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("lengths", [0.0, -1.0, np.nan, np.inf, 1e-30, 1e300])
 def test_bad_lengths_are_refused(lengths):
     seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
     with pytest.raises(InvalidValue, match=r"length\[0\]"):
         grow(seed, 1, lambda front, strip: Strip(1.0, lengths))
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        None,
+        (1.0, 0.1),
+        Strip("1", 0.1),
+        Strip(1.0, "0.1"),
+        Strip(1.0, None),
+        Strip(1.0, np.full(4, 0.1)),
+        Strip(1.0, lambda rays: None),
+        Strip(1.0, lambda rays: rays.directions),
+        Strip(1.0, 0.1, at=0),
+        Strip(1.0, 0.1, at=2.0),
+        Strip(1.0, 0.1, boundary_angles=None),
+    ],
+)
+@pytest.mark.parametrize("good", [0, 1])
+def test_rubbish_from_callbacks_is_refused(choice, good):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    strips = [Strip(1.0, 0.1)] * good + [choice]
+    with pytest.raises(InvalidValue):
+        grow(seed, 2, lambda front, strip: strips[strip])
+
+
+@pytest.mark.parametrize("strips", [0, -1, 1.5, 2.0, "2", None, True, np.nan, 10**9])
+def test_strips_are_counted_in_whole_numbers(strips):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    with pytest.raises(InvalidValue, match=r"strips|quads"):
+        grow(seed, strips, lambda front, strip: Strip(1.0, 0.1))
+
+
+def test_a_choice_to_stop_keeps_the_strips_before_it():
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    choices = [Strip(1.0, 0.1), Strip(1.0, 0.1), Stop(Status.COVERED, "enough")]
+    growth = grow(seed, 9, lambda front, strip: choices[strip])
+    assert (growth.status, growth.strips, growth.advice) == (Status.COVERED, 2, "enough")
+    assert growth.mesh.grid.shape == (4, 5)
+    assert len(growth.mesh.vertices_coords) == 20
+
+
+@pytest.mark.parametrize("scale", [1e-40, 1e-12, 1e12, 1e40])
+def test_sheets_of_any_size_are_the_same_sheet(scale):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0).vertices_coords.reshape(2, 5, 3)
+    one, other = (
+        grow(QuadMesh.from_rows(s * seed), 3, lambda f, j, s=s: Strip(1.0, 0.1 * s)).mesh
+        for s in (1.0, scale)
+    )
+    assert other.vertices_coords / scale == pytest.approx(one.vertices_coords, abs=1e-12)
+    assert developability(other.vertices_coords, other.faces_vertices).max() < 1e-13
 
 
 def test_progress_is_told_after_every_strip():

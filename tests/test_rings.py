@@ -55,6 +55,15 @@ def test_odd_loops_close_for_exactly_two_flap_angles(seed, half):
     assert front.rays(middle).closing_error > 1e-6
 
 
+def test_the_roots_of_a_loop_of_two_vertices_in_one_plane():
+    """Its half-angle matrix is diagonal, and each root the zero of one half-angle's function."""
+    for continuation, other in ((np.pi, 0.0), (0.0, np.pi)):
+        closings = loop_closings(np.array([2.0, 3.0]), np.zeros(2), continuation)
+        assert closings.case is Closing.PAIR
+        assert closings.flap_angles == pytest.approx([continuation, other], abs=1e-15)
+        assert closings.separation == pytest.approx(np.pi)
+
+
 @given(st.lists(st.integers(-12, 12), min_size=4, max_size=4))
 def test_fixed_directions_are_eigenvectors(entries):
     loop = np.array(entries, float).reshape(2, 2) / 4

@@ -16,6 +16,7 @@ from solver.transfer import (
     derivative,
     half_angles,
     inverses,
+    loop_miss,
     prefix_products,
     transform,
 )
@@ -147,3 +148,32 @@ def test_long_chains_stay_normalised():
     s, c = half_angles(front.couplings, front.deltas, 2.5)
     assert np.abs(np.hypot(s, c) - 1).max() < 1e-15 * 4
     assert np.isfinite(prefix_products(front.couplings, front.deltas)).all()
+
+
+def test_chains_that_stretch_beyond_the_range_of_floats_are_followed():
+    random = np.random.default_rng(0)
+    couplings, deltas = np.full(4000, 1e6), random.uniform(0, 6, 3999)
+    s, c = half_angles(couplings, deltas, 1.0)
+    image = transform(prefix_products(couplings, deltas), np.array([1.0]))[:, 0]
+    assert np.isfinite(s).all()
+    assert np.isfinite(c).all()
+    assert circle_distance(2 * np.arctan2(s, c), image).max() < 1e-9
+
+
+@given(curves(), st.floats(0.1, 6.18))
+def test_a_loop_that_misses_itself_a_little_is_closed_by_its_spread(curve, first):
+    front = Front.on_curve(*curve)
+    assume(len(front.deltas) > 0)
+    s, c = half_angles(front.couplings, front.deltas, first)
+    # the closing delta for which this chain misses itself by one part in ten million
+    miss, _ = loop_miss(front.couplings, 0.0, s, c)
+    closing = 1e-7 - miss
+    miss, spread = loop_miss(front.couplings, closing, s, c)
+    assert miss == pytest.approx(1e-7, rel=1e-6)
+    s, c = half_angles(front.couplings, front.deltas + spread, first)
+    closed, _ = loop_miss(front.couplings, closing, s, c)
+    # every delta changes by the same amount, and the closing one keeps its share
+    share = abs(spread[0])
+    assert np.ptp(np.abs(spread)) == 0
+    assert 0 < share < 1e-7
+    assert abs(abs(closed) - share) < 1e-10 * (1 + np.abs(s / c).max())
