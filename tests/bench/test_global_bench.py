@@ -80,7 +80,7 @@ class Constraints:
 def guess(rows: int, columns: int, row_step: float) -> QuadMesh:
     """Zigzag rows on both offsets, as growth's seed before it is planarised, all over the sheet."""
     step = 2 / columns
-    v = np.linspace(-1.0, 1.0, columns + 1)
+    v = (np.arange(columns + 1) - columns / 2) * step
     swing = ZIGZAG * step * (np.arange(columns + 1) % 2 - 0.5)
     along = (np.arange(rows + 1) - rows / 2) * row_step * step
     uv = np.stack([np.add.outer(along, swing), np.broadcast_to(v, (rows + 1, columns + 1))], -1)
