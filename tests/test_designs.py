@@ -102,7 +102,7 @@ def test_crumpled_creases_shrink_with_the_power():
         (CurvedFold(flap_angle=np.array([1.0, 2.0])), "flap_angle"),
         (CurvedFold(crease_length=[0.1]), "crease_length"),
         (Miura(sector_angle=1j), "sector_angle"),
-        (Miura(sector_angle=1e-300), "beta"),
+        (Miura(sector_angle=1e-300), "front"),
         (CurvedFold(strips=900_000), "quads to grow"),
         (Miura(zigzag_length=1e300), "zigzag_length"),
     ],
