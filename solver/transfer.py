@@ -46,9 +46,6 @@ _LOG_RANGE = 300.0
 _SAME = 1e-12
 # Two roots nearer to each other than this are one: rounding alone parts a double root that far.
 _DOUBLE = 1e-6
-# A loop that misses itself by less, in radians, is closed to rounding; more walks do not help.
-_CLOSED = 1e-13
-_WALKS = 5
 
 
 def coupling(beta: FloatArray, k: FloatArray) -> FloatArray:
@@ -185,8 +182,8 @@ class Closings:
     case : PAIR, two of them; CONTINUATION, a double root; FAMILY, every flap angle; NONE.
     flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known and
         in rising order elsewhere; empty for FAMILY and NONE.
-    start : for each of them the vertex to begin the chain at, and the flap angle there, so that
-        rounding errors shrink on the way.
+    start : for each of them the vertex to begin the chain at, and the flap angle there: vertex 0,
+        or the last one where the way forwards spreads errors (backwards it contracts them).
     separation : angle between the two roots on the circle, radians (0 for a double root).
     """
 
@@ -232,45 +229,13 @@ def loop_closings(
     starts = []
     for root, angle in zip(roots, angles.tolist(), strict=True):
         value = float(root @ loop @ root)
-        starts.append(_start(couplings, deltas, angle, value, float(np.trace(loop)) - value))
+        # the map once around contracts near the direction of the larger eigenvalue
+        if abs(value) >= abs(float(np.trace(loop)) - value):
+            starts.append((0, angle))
+        else:
+            before = _before(angle, couplings[-1], deltas[-1])
+            starts.append((len(couplings) - 1, before % (2 * math.pi)))
     return Closings(case, angles, tuple(starts), separation)
-
-
-def _start(
-    couplings: FloatArray, deltas: FloatArray, angle: float, value: float, other: float
-) -> tuple[int, float]:
-    """Where to begin a chain that closes, and the flap angle there.
-
-    angle : at vertex 0; value : eigenvalue of the loop matrix for it; other : the other eigenvalue.
-
-    A map that expands is followed backwards, from the last vertex, so that rounding errors shrink
-    on the way. Where they grow in between nevertheless, the chain begins at the vertex up to which
-    they grow most: from there they shrink both ways.
-    """
-    at = 0
-    if abs(value) < abs(other):
-        at, angle = len(couplings) - 1, _before(angle, couplings[-1], deltas[-1])
-    best = math.inf, at, angle
-    for _ in range(_WALKS):
-        s, c = half_angles(couplings, deltas[:-1], angle, at)
-        miss = abs(_miss(couplings, deltas[-1], s, c))
-        best = min(best, (miss, at, angle))
-        if miss < _CLOSED:
-            break
-        growth = np.cumsum(np.log(couplings / ((couplings * c) ** 2 + s * s)))
-        at = (int(np.argmax(growth)) + 1) % len(couplings)
-        loop = _loop_matrix(np.roll(couplings, -at), np.roll(deltas, -at))
-        # the loop from another vertex has the same eigenvalues up to a positive factor
-        values, vectors = np.linalg.eig(loop)
-        root = vectors[:, np.argsort(values.real)[int(value > other)]].real
-        angle = float(2 * np.arctan2(root[0], root[1]))
-    return best[1], best[2] % (2 * math.pi)
-
-
-def _miss(couplings: FloatArray, closing_delta: float, s: FloatArray, c: FloatArray) -> float:
-    """Flap angle after once around minus that at vertex 0, radians in [-pi, pi]."""
-    reached, first = float(2 * np.arctan2(s[-1], c[-1])), float(2 * np.arctan2(s[0], c[0]))
-    return math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
 
 
 def _after(flap_angle: float, coupling_there: float, delta: float) -> float:
@@ -298,7 +263,9 @@ def loop_miss(
     spread : the change of every delta that makes up for it, to first order, all of one size and
         signed so that they add up (the closing delta keeps its own share), shape (N - 1,).
     """
-    miss = _miss(couplings, closing_delta, s, c)
+    reached = float(2 * np.arctan2(s[-1], c[-1]))
+    first = float(2 * np.arctan2(s[0], c[0]))
+    miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
     # slope of each step, and of the way from behind each step to the end of the loop
     slopes = -couplings / ((couplings * c) ** 2 + s * s)
     ahead = np.cumprod(slopes[:0:-1])[::-1]
