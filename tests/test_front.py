@@ -166,14 +166,19 @@ def test_rubbish_is_refused(call):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_fronts_without_room_up_to_rounding_are_refused(seed):
-    """A flat sheet leaves k = beta, and a straight front beta = pi: exactly, but for rounding."""
+    """A flat sheet leaves k = beta or 2 pi - beta, a straight front beta = pi, but for rounding."""
     random = np.random.default_rng(seed)
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
-    flat = ZIGZAG + random.uniform(-0.2, 0.2, ZIGZAG.shape) * [1, 1, 0]
-    with pytest.raises(InvalidValue, match=r"k\[\d\]"):
-        Front.between(flat @ turn, (flat - [0.0, 1.0, 0.0]) @ turn)
+    arc = np.linspace(0.3, 2.5, 6) + random.uniform(-0.1, 0.1, 6)
+    arc = np.column_stack([np.cos(arc), np.sin(arc), 0 * arc])
+    for size in (0.5, 2.0):
+        with pytest.raises(InvalidValue, match=r"k\[\d\]"):
+            Front.between(arc @ turn, size * arc @ turn)
+    line = ZIGZAG * [random.uniform(0.5, 2), 0, 0]
     with pytest.raises(InvalidValue, match=r"beta\[\d\]"):
-        Front.on_curve(flat * [1, 0, 0] @ turn, np.pi)
+        Front.between(line @ turn, (line - [0.0, 1.0, 1.0]) @ turn)
+    with pytest.raises(InvalidValue, match=r"beta\[\d\]"):
+        Front.on_curve(line @ turn, np.pi)
 
 
 def test_lists_integers_and_single_precision_are_the_same_front():
