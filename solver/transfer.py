@@ -268,8 +268,9 @@ def loop_miss(
     miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
     # slope of each step, and of the way from behind each step to the end of the loop
     slopes = -couplings / ((couplings * c) ** 2 + s * s)
-    ahead = np.cumprod(slopes[:0:-1])[::-1]
-    total = float(np.abs(ahead).sum()) + 1.0
+    with np.errstate(over="ignore"):  # changes too small for floats make up for the miss there
+        ahead = np.cumprod(slopes[:0:-1])[::-1]
+        total = float(np.abs(ahead).sum()) + 1.0
     spread: FloatArray = -miss * np.sign(ahead) / total
     return miss, spread
 

@@ -24,7 +24,7 @@ from solver import (
     seeds,
 )
 from solver.designs.brownian_ribbon import ribbon
-from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings
+from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings, loop_miss
 from solver.vertex import even_flap_angles, growth_direction, sector_angles
 
 
@@ -62,6 +62,15 @@ def test_the_roots_of_a_loop_of_two_vertices_in_one_plane():
         assert closings.case is Closing.PAIR
         assert closings.flap_angles == pytest.approx([continuation, other], abs=1e-15)
         assert closings.separation == pytest.approx(np.pi)
+
+
+def test_loops_that_stretch_beyond_the_range_of_floats_close():
+    random = np.random.default_rng(0)
+    couplings, deltas = np.full(2001, 1e6), random.uniform(0, 6, 2001)
+    closings = loop_closings(couplings, deltas)
+    for at, flap_angle in closings.start:
+        s, c = half_angles(couplings, deltas[:-1], flap_angle, at)
+        assert abs(loop_miss(couplings, deltas[-1], s, c)[0]) < 1e-12
 
 
 @given(st.lists(st.integers(-12, 12), min_size=4, max_size=4))
