@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral, Real
 
 __all__ = [
     "InvalidValue",
@@ -10,6 +11,7 @@ __all__ = [
     "require_count",
     "require_finite",
     "require_length",
+    "require_number",
     "require_positive",
     "require_within",
 ]
@@ -38,26 +40,37 @@ class InvalidValue(OrigamiError, ValueError):
         self.cure = cure
 
 
+def require_number(name: str, value: object) -> None:
+    """Raise `InvalidValue` unless `value` is one real number (which may be NaN or infinite)."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        raise InvalidValue(name, repr(value), "be a number", "Give one real number.")
+
+
 def require_positive(name: str, value: float, cure: str = "Give a positive number.") -> None:
     """Raise `InvalidValue` unless `value` is finite and greater than zero."""
+    require_number(name, value)
     if not (math.isfinite(value) and value > 0):
         raise InvalidValue(name, value, "be finite and greater than 0", cure)
 
 
 def require_finite(name: str, value: float) -> None:
     """Raise `InvalidValue` unless `value` is a finite number."""
+    require_number(name, value)
     if not math.isfinite(value):
         raise InvalidValue(name, value, "be finite", "Give a number.")
 
 
 def require_count(name: str, value: int, least: int, cure: str) -> None:
     """Raise `InvalidValue` unless the count `value` lies from `least` to a million."""
+    if not isinstance(value, Integral) or isinstance(value, bool):
+        raise InvalidValue(name, repr(value), "be a whole number", cure)
     if not least <= value <= _MOST:
         raise InvalidValue(name, value, f"lie from {least} to {_MOST}", cure)
 
 
 def require_length(name: str, value: float) -> None:
     """Raise `InvalidValue` unless `value` is a length in design units, 1e-6 to 1e6."""
+    require_number(name, value)
     low, high = _LENGTHS
     if not low <= value <= high:
         cure = "Lengths of a design are relative: the sheet's size is set when files are made."
@@ -68,6 +81,7 @@ def require_within(
     name: str, value: float, low: float, high: float, cure: str, *, angle: bool = False
 ) -> None:
     """Raise `InvalidValue` unless low < value < high (all in radians where `angle`)."""
+    require_number(name, value)
     if low < value < high:
         return
 

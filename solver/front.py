@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from numbers import Integral
 
 import numpy as np
 
 from solver.arcs import free_arcs
-from solver.errors import InvalidValue, require_within
+from solver.errors import InvalidValue, require_number, require_within
 from solver.mesh import QuadMesh, Side
 from solver.transfer import (
     Closings,
@@ -28,7 +29,17 @@ from solver.transfer import (
     loop_miss,
     prefix_products,
 )
-from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, norm
+from solver.vectors import (
+    SMALLEST,
+    BoolArray,
+    FloatArray,
+    cross,
+    dot,
+    full_turn,
+    norm,
+    numbers,
+    points,
+)
 from solver.vertex import flap_angle_of, locked_flap_angles, require_foldable, self_intersects
 
 __all__ = ["Front", "Rays"]
@@ -39,7 +50,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Rays:
-    """Where the vertices of the new row lie: `x + length * direction`.
+    """Where the vertices of the new row lie: `x + length * direction`. Arrays are read-only.
 
     Attributes
     ----------
@@ -58,15 +69,30 @@ class Rays:
     length_bounds: FloatArray
     closing_error: float = 0.0
 
+    def __post_init__(self) -> None:
+        for array in (self.vertices_coords, self.directions, *self.half_flaps, self.length_bounds):
+            array.flags.writeable = False
+
     @property
     def flap_angles(self) -> FloatArray:
         """Flap angles of the interior vertices, radians in [0, 2 pi), shape (m - 1,)."""
         return full_turn(2 * np.arctan2(*self.half_flaps))
 
+    def each(self, lengths: FloatArray | float) -> FloatArray:
+        """`lengths` as one for each vertex, shape (m + 1,), where it may be one for all."""
+        given, size = numbers("lengths", lengths), len(self.directions)
+        if given.shape not in ((), (size,)):
+            raise InvalidValue(
+                "lengths",
+                f"array of shape {given.shape}",
+                f"be a number or have shape ({size},)",
+                "Give one length for all creases, or one for each front vertex.",
+            )
+        return given if given.ndim else np.full(size, given)
+
     def row(self, lengths: FloatArray | float) -> FloatArray:
         """Vertices of the new row, shape (m + 1, 3); `lengths` is one for all or one each."""
-        each = np.asarray(lengths, float)
-        return self.vertices_coords + (each[:, None] if each.ndim else each) * self.directions
+        return self.vertices_coords + self.each(lengths)[:, None] * self.directions
 
     def between(self, first: int, last: int) -> Rays:
         """The rays of the vertices first to last - 1; all their flap angles stay."""
@@ -82,6 +108,8 @@ class Rays:
 @dataclass(frozen=True)
 class Front:
     """A polyline of m + 1 vertices with the angles that a new strip must use up.
+
+    Arrays are read-only.
 
     Attributes
     ----------
@@ -113,6 +141,11 @@ class Front:
     back: FloatArray | None = None
     closed: bool = False
 
+    def __post_init__(self) -> None:
+        for array in vars(self).values():
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+
     @classmethod
     def between(
         cls, vertices_coords: FloatArray, previous_coords: FloatArray, *, closed: bool = False
@@ -122,17 +155,25 @@ class Front:
         closed : whether both rows are loops, their first vertices not repeated. Raises
         `InvalidValue` where beta or k leave their interval.
         """
-        x = _around(vertices_coords) if closed else vertices_coords
-        previous_coords = _around(previous_coords) if closed else previous_coords
+        x, y = points("front", vertices_coords), points("previous row", previous_coords)
+        if x.shape != y.shape:
+            raise InvalidValue(
+                "previous row",
+                f"array of shape {y.shape}",
+                f"have the shape of the front, {x.shape}",
+                "Give one point behind each front vertex.",
+            )
+        if closed:
+            x, y = _around(x), _around(y)
         length, direction = _edges(x)
-        crease = previous_coords[1:-1] - x[1:-1]
+        crease = y[1:-1] - x[1:-1]
         size = norm(crease)
-        if not size.min() > 0:
-            i = int(np.flatnonzero(~(size > 0))[0])
+        if not size.min() > SMALLEST:
+            i = int(np.flatnonzero(~(size > SMALLEST))[0])
             raise InvalidValue(
                 f"length of the crease behind front vertex {i + 1}",
                 size[i],
-                "be greater than 0",
+                f"be greater than {SMALLEST:g}",
                 "Rows must not meet: choose longer creases.",
             )
         back = crease / size[:, None]
@@ -152,18 +193,22 @@ class Front:
         interior. This is the corollary of the paper. Raises `InvalidValue` where beta or k leave
         their interval.
         """
-        vertices_coords = _around(vertices_coords) if closed else vertices_coords
-        length, direction = _edges(vertices_coords)
-        angles = np.asarray(k, float)
-        if angles.ndim > 1 or (angles.ndim == 1 and len(angles) != len(vertices_coords) - 2):
+        x = points("front", vertices_coords)
+        x = _around(x) if closed else x
+        length, direction = _edges(x)
+        angles = numbers("k", k)
+        if angles.ndim > 1 or (angles.ndim == 1 and len(angles) != len(x) - 2):
             raise InvalidValue(
                 "k",
                 f"array of shape {angles.shape}",
-                f"be a number or have shape ({len(vertices_coords) - 2},)",
+                f"be a number or have shape ({len(x) - 2},)",
                 "Give one value for each interior vertex of the front.",
             )
-        spread = np.broadcast_to(angles, len(vertices_coords) - 2)
-        front = cls._with_k(vertices_coords, length, direction, spread, closed=closed)
+        spread = np.broadcast_to(angles, len(x) - 2)
+        for i in np.flatnonzero(~((spread > 0) & (spread < 2 * np.pi))):
+            cure = "Choose k between beta and 2 pi - beta."
+            require_within(f"k[{i}]", float(spread[i]), 0.0, 2 * np.pi, cure, angle=True)
+        front = cls._with_k(x, length, direction, spread, closed=closed)
         require_foldable(front.beta, front.k)
         return front
 
@@ -194,6 +239,7 @@ class Front:
                 "There k follows from developability.",
             )
         y = mesh.vertices_coords[behind]
+        _edges(x)  # too short ones have no convex faces either
         require_convex(x, y)
         return cls.between(x, y, closed=mesh.closed)
 
@@ -214,11 +260,12 @@ class Front:
         beta = np.arctan2(sine, -along)
         half_sum, half_difference = (k + beta) / 2, (k - beta) / 2
         sin_sum, sin_difference = np.sin(half_sum), np.sin(half_difference)
-        couplings = sin_difference / sin_sum  # as `solver.transfer.coupling`
+        with np.errstate(divide="ignore", invalid="ignore"):  # angles at their ends: refused below
+            couplings = sin_difference / sin_sum  # as `solver.transfer.coupling`
         # cos beta - cos k and sin k - sin beta without cancellation where k nears beta
         rise, run = 2 * sin_sum * sin_difference, 2 * np.cos(half_sum) * sin_difference
-        # rounding leaves tiny couplings where a bound is met exactly
-        if not (couplings.min() > 1e-12 and couplings.max() < 1e12 and sine.min() > 0):
+        # rounding leaves tiny couplings, or sines, where a bound is met exactly
+        if not (couplings.min() > 1e-11 and couplings.max() < 1e11 and sine.min() > 1e-11):
             require_foldable(beta, k)
         normals = across / sine[:, None]
         inner = (after - along[:, None] * before) / sine[:, None]
@@ -261,11 +308,23 @@ class Front:
             self.couplings, np.append(self.deltas, self.closing_delta), continuation
         )
 
+    def _candidates(self, flap_angles: FloatArray) -> FloatArray:
+        angles = numbers("flap_angles", flap_angles)
+        if angles.ndim != 2 or len(angles) != len(self.k):
+            raise InvalidValue(
+                "flap_angles",
+                f"array of shape {angles.shape}",
+                f"have shape ({len(self.k)}, q)",
+                "Give a row for each interior vertex, and a column for each candidate.",
+            )
+        return angles
+
     def self_intersections(self, flap_angles: FloatArray) -> BoolArray:
         """Vertices at which new faces would cross the old ones, shape (m - 1, q).
 
         flap_angles : of every interior vertex for q candidates, shape (m - 1, q).
         """
+        flap_angles = self._candidates(flap_angles)
         if self.back is None:
             return np.zeros(flap_angles.shape, bool)
         a, b = -self.edges_direction[:-1], self.edges_direction[1:]
@@ -300,6 +359,7 @@ class Front:
 
         There old and new faces can neither cross nor nest. Shapes as in `self_intersections`.
         """
+        flap_angles = self._candidates(flap_angles)
         if self.back is None:
             return np.ones(flap_angles.shape, bool)
         above = dot(self.back, self.normals) > 0
@@ -322,12 +382,18 @@ class Front:
             the front's edge and the new boundary edge; None: parallel to the neighbouring crease.
         """
         last = len(self.vertices_coords) - 1
-        if not 1 <= at <= last - 1:
+        if not isinstance(at, Integral) or not 1 <= at <= last - 1:
             raise InvalidValue(
                 "at", at, f"be an interior vertex, 1 to {last - 1}", "Ends have no flap angle."
             )
+        require_number("flap_angle", flap_angle)
+        flap_angle = float(flap_angle)
         if not np.isfinite(flap_angle):
             raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
+        if not (isinstance(boundary_angles, tuple | list) and len(boundary_angles) == 2):
+            raise InvalidValue(
+                "boundary_angles", boundary_angles, "be a pair", "Give (None, None) for parallel."
+            )
         s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
         closing_error = 0.0
         if self.closed:
@@ -386,18 +452,18 @@ def require_convex(x: FloatArray, y: FloatArray) -> None:
 
 
 def _edges(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-    if x.ndim != 2 or x.shape[0] < 3 or x.shape[1] != 3:
+    if len(x) < 3:
         raise InvalidValue(
             "front", f"array of shape {x.shape}", "have shape (m + 1, 3), m >= 2", "Add vertices."
         )
     edge = x[1:] - x[:-1]
     length = norm(edge)
-    if not (length.min() > 0 and length.max() < np.inf):
-        i = int(np.flatnonzero(~(np.isfinite(length) & (length > 0)))[0])
+    if not length.min() > SMALLEST:
+        i = int(np.flatnonzero(~(length > SMALLEST))[0])
         raise InvalidValue(
             f"length of front edge {i}",
             length[i],
-            "be finite and greater than 0",
+            f"be greater than {SMALLEST:g}",
             "Remove duplicate vertices from the front.",
         )
     return length, edge / length[:, None]

@@ -12,7 +12,7 @@ import numpy as np
 from solver.errors import InvalidValue, require_count
 from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
-from solver.vectors import FloatArray
+from solver.vectors import LARGEST, SMALLEST, FloatArray
 
 __all__ = ["Growth", "Lengths", "Status", "Stop", "Strip", "grow"]
 
@@ -35,6 +35,8 @@ class Status(StrEnum):
 _MOST_QUADS = 20_000_000
 # A loop's flap angle may miss itself by this much, radians.
 _CLOSED = 1e-9
+# Creases shorter than this share of the coordinates are lost in rounding.
+_RESOLVED = 1e-13
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
 
 
@@ -143,6 +145,10 @@ def grown_rows(
         choice = choose(front, j)
         if isinstance(choice, Stop):
             return rows[:j], choice
+        if not isinstance(choice, Strip):
+            raise InvalidValue(
+                "what `choose` returns", repr(choice), "be a Strip or a Stop", "See `grow`."
+            )
         rays = front.rays(choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles)
         if j == 0 and any(beyond):
             rays = rays.between(drop, drop + size)
@@ -168,28 +174,19 @@ def grown_rows(
 
 def lengths_along(wanted: Lengths, rays: Rays) -> FloatArray:
     """One length for each crease of a strip; refuses arrays of another shape."""
-    given = wanted(rays) if callable(wanted) else wanted
-    lengths = np.asarray(given, float)
-    size = len(rays.directions)
-    if lengths.shape == (size,):
-        return lengths
-    if lengths.ndim:
-        raise InvalidValue(
-            "lengths",
-            f"array of shape {lengths.shape}",
-            f"be a number or have shape ({size},)",
-            "Give one length for all creases, or one for each front vertex.",
-        )
-    return np.full(size, lengths)
+    return rays.each(wanted(rays) if callable(wanted) else wanted)
 
 
 def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
     """The first vertex whose length cannot be used, why, and the bound; None where all can."""
-    if lengths.min() > 0 and (lengths < rays.length_bounds).all():
+    # shorter creases would drown in the rounding of the coordinates
+    least = max(SMALLEST, _RESOLVED * float(np.abs(rays.vertices_coords).max()))
+    if lengths.min() > least and lengths.max() < LARGEST and (lengths < rays.length_bounds).all():
         return None
-    unusable = np.flatnonzero(~(np.isfinite(lengths) & (lengths > 0)))
+    unusable = np.flatnonzero(~((lengths > least) & (lengths < LARGEST)))
     if len(unusable):
-        return int(unusable[0]), Status.LENGTH_NOT_POSITIVE, "be finite and greater than 0"
+        bound = f"be finite and greater than 0, {least:.2g} at least and {LARGEST:g} at most"
+        return int(unusable[0]), Status.LENGTH_NOT_POSITIVE, bound
     i = int(np.flatnonzero(lengths >= rays.length_bounds)[0])
     bound = f"be below {rays.length_bounds[i]:.9g}, where neighbouring creases meet"
     return i, Status.LENGTH_OVER_BOUND, bound

@@ -7,10 +7,46 @@ from __future__ import annotations
 
 import numpy as np
 
+from solver.errors import InvalidValue
 from solver.mesh import interior_vertices
-from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm
+from solver.vectors import (
+    SMALLEST,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    cross,
+    dot,
+    norm,
+    numbers,
+    points,
+)
 
 __all__ = ["angle_excess", "developability", "isometry", "planarity", "sector_angles"]
+
+
+def _checked(vertices_coords: FloatArray, faces_vertices: IntArray) -> tuple[FloatArray, IntArray]:
+    """Points (nv, 3) and faces (nf, n) that name them; raises `InvalidValue` for others."""
+    coords, faces = points("vertices_coords", vertices_coords), np.asarray(faces_vertices)
+    size = np.abs(coords).max(initial=0.0)
+    if 0 < size < SMALLEST:
+        raise InvalidValue(
+            "largest coordinate", size, f"be at least {SMALLEST:g}", "Scale the sheet."
+        )
+    if faces.ndim != 2 or faces.shape[1] < 3 or faces.dtype.kind not in "iu":
+        raise InvalidValue(
+            "faces_vertices",
+            f"array of shape {faces.shape} ({faces.dtype})",
+            "hold vertex numbers, with shape (nf, 3) or more columns",
+            "Measure faces of each size on their own.",
+        )
+    if faces.size and not 0 <= faces.min() <= faces.max() < len(coords):
+        raise InvalidValue(
+            "vertex numbers of the faces",
+            f"{faces.min()} to {faces.max()}",
+            f"lie from 0 to {len(coords) - 1}",
+            "Give the vertices that the faces belong to.",
+        )
+    return coords, faces
 
 
 def planarity(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
@@ -20,6 +56,7 @@ def planarity(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArr
     distance between the two diagonals. Diagonals join the neighbours of a corner. A face without
     area (its diagonals parallel) gives NaN, a triangle 0.
     """
+    vertices_coords, faces_vertices = _checked(vertices_coords, faces_vertices)
     corners = vertices_coords[faces_vertices]
     if faces_vertices.shape[1] == 4:
         first = corners[:, 2] - corners[:, 0]
@@ -66,6 +103,7 @@ def angle_excess(
 
 def developability(vertices_coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
     """|2 pi - sum of sector angles| at every vertex, radians, shape (nv,); 0 at the boundary."""
+    vertices_coords, faces_vertices = _checked(vertices_coords, faces_vertices)
     inside = interior_vertices(faces_vertices, len(vertices_coords))
     return np.abs(angle_excess(vertices_coords, faces_vertices, inside))
 
@@ -77,6 +115,15 @@ def isometry(
 
     vertices_coords : folded, shape (nv, 3); flat_coords : developed, shape (nv, 2) or (nv, 3).
     """
+    vertices_coords, faces_vertices = _checked(vertices_coords, faces_vertices)
+    flat_coords = numbers("flat_coords", flat_coords)
+    if flat_coords.shape not in ((len(vertices_coords), 2), (len(vertices_coords), 3)):
+        raise InvalidValue(
+            "flat_coords",
+            f"array of shape {flat_coords.shape}",
+            f"have shape ({len(vertices_coords)}, 2) or ({len(vertices_coords)}, 3)",
+            "Give one flat point for each vertex.",
+        )
     worst = np.zeros(len(faces_vertices))
     for step in (1, 2) if faces_vertices.shape[1] > 3 else (1,):
         ends = np.roll(faces_vertices, -step, axis=1)

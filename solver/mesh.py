@@ -30,7 +30,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InvalidValue
-from solver.vectors import BoolArray, FloatArray, IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
 __all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
 
@@ -46,6 +46,12 @@ class Side(StrEnum):
 
 # Quarter turns (numpy.rot90) that bring a side to the top; fronts then run left to right.
 _TURNS = {Side.TOP: 0, Side.LEFT: 1, Side.BOTTOM: 2, Side.RIGHT: 3}
+
+
+def _turns(side: Side) -> int:
+    if side not in list(Side):
+        raise InvalidValue("side", repr(side), f"be one of {', '.join(Side)}", "See `Side`.")
+    return _TURNS[side]
 
 
 @dataclass(frozen=True)
@@ -95,9 +101,10 @@ class QuadMesh:
 
         closed : whether each row is a loop; its first vertex is not repeated.
 
-        Raises `InvalidValue` for other shapes, fewer than 3 columns, or values that are not finite.
+        Raises `InvalidValue` for other shapes, fewer than 3 columns, or bad coordinates (see
+        `solver.vectors.points`).
         """
-        coords = np.array(rows, dtype=np.float64)
+        coords = numbers("rows", rows)
         if coords.ndim != 3 or coords.shape[2] != 3 or coords.shape[0] < 1 or coords.shape[1] < 3:
             raise InvalidValue(
                 "rows",
@@ -105,12 +112,10 @@ class QuadMesh:
                 "have shape (rows, columns, 3) with at least 1 row and 3 columns",
                 "Give one row of points per grid row.",
             )
-        if not np.isfinite(coords).all():
-            raise InvalidValue(
-                "rows", "NaN or infinity", "hold finite coordinates", "Check where they come from."
-            )
         grid = np.arange(coords.shape[0] * coords.shape[1]).reshape(coords.shape[:2])
-        return cls(coords.reshape(-1, 3), _grid_faces(grid, closed), grid, closed)
+        return cls(
+            points("rows", coords.reshape(-1, 3)).copy(), _grid_faces(grid, closed), grid, closed
+        )
 
     @cached_property
     def edges(self) -> Edges:
@@ -130,7 +135,7 @@ class QuadMesh:
 
     def turned(self, side: Side) -> IntArray:
         """The grid seen with `side` on top."""
-        out: IntArray = np.rot90(self.grid, _TURNS[side])
+        out: IntArray = np.rot90(self.grid, _turns(side))
         return out
 
     def front_vertices(self, side: Side) -> IntArray:
@@ -165,8 +170,19 @@ class QuadMesh:
 
         first : front vertex at which the rows begin, where they are grown on a part of the front.
         """
-        count, width = rows.shape[:2]
         turned = self.turned(side)
+        if (
+            rows.ndim != 3
+            or rows.shape[2] != 3
+            or not 1 <= rows.shape[1] <= turned.shape[1] - first
+        ):
+            raise InvalidValue(
+                "rows",
+                f"array of shape {rows.shape}",
+                f"have shape (n, {turned.shape[1] - first}, 3)",
+                "Give as many points a row as the side has vertices.",
+            )
+        count, width = rows.shape[:2]
         new = np.full((count, turned.shape[1]), -1)
         numbers = len(self.vertices_coords) + np.arange(count * width)
         new[:, first : first + width] = numbers.reshape(count, width)
@@ -183,7 +199,7 @@ class QuadMesh:
             self,
             vertices_coords=np.concatenate([self.vertices_coords, coords]),
             faces_vertices=np.concatenate([self.faces_vertices, faces[fresh]]),
-            grid=np.rot90(turned, -_TURNS[side]).copy(),
+            grid=np.rot90(turned, -_turns(side)).copy(),
         )
 
     def with_faces(self, kept: BoolArray) -> QuadMesh:

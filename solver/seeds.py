@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solver.errors import require_count, require_length, require_within
+from solver.errors import require_count, require_length, require_number, require_within
 from solver.mesh import QuadMesh
 from solver.vectors import FloatArray
 from solver.vertex import require_foldable
@@ -64,6 +64,8 @@ def corrugated(columns: int, beta: float, k: float, lengths: FloatArray) -> Quad
     lengths : of the creases, positive, shape (columns + 1,).
     """
     require_count("columns", columns, 2, "A strip needs an interior crease.")
+    require_number("beta", beta)
+    require_number("k", k)
     require_foldable(np.array([beta]), np.array([k]))
     a = np.array([0.0, -np.sin(beta / 2), -np.cos(beta / 2)])
     b = np.array([0.0, np.sin(beta / 2), -np.cos(beta / 2)])

@@ -208,7 +208,7 @@ def loop_closings(
         point, and the other one follows from it without cancellation. None where the front is a
         curve: then the quadratic is solved.
     """
-    loop, determinant = _loop_matrix(couplings, deltas)
+    loop = _loop_matrix(couplings, deltas)
     size = float(np.abs(loop).max())
     # before roots are looked for: rounding makes those of a matrix this near complex
     if np.abs(loop - np.trace(loop) / 2 * np.eye(2)).max() <= _SAME * size * len(couplings):
@@ -232,36 +232,14 @@ def loop_closings(
     angles = full_turn(2 * np.arctan2(*np.array(roots).T))
     starts = []
     for root, angle in zip(roots, angles.tolist(), strict=True):
-        image = loop @ root
-        slope = determinant / float(image @ image)  # derivative of the map at its fixed point
-        starts.append(_polished(couplings, deltas, angle, slope))
-    return Closings(case, angles, tuple(starts), separation)
-
-
-def _polished(
-    couplings: FloatArray, deltas: FloatArray, angle: float, slope: float
-) -> tuple[int, float]:
-    """Where to begin a chain that closes, and the flap angle there after two Newton steps.
-
-    angle : at vertex 0; slope : derivative of the map once around. A map that expands is followed
-    backwards, from the last vertex, so that rounding errors shrink on the way.
-    """
-    last = len(couplings) - 1
-    if abs(slope) > 1:
-        begin, end, slope = last, 0, 1 / slope
-        angle = _before(angle, couplings[-1], deltas[-1])
-    else:
-        begin, end = 0, last
-    for _ in range(2 if abs(slope - 1) > _DOUBLE else 0):
-        s, c = half_angles(couplings, deltas[:-1], angle, begin)
-        reached = float(2 * np.arctan2(s[end], c[end]))
-        if begin == last:
-            around = _before(reached, couplings[-1], deltas[-1])
+        value = float(root @ loop @ root)
+        # the map once around contracts near the direction of the larger eigenvalue
+        if abs(value) >= abs(float(np.trace(loop)) - value):
+            starts.append((0, angle))
         else:
-            around = _after(reached, couplings[-1], deltas[-1])
-        miss = math.remainder(around - angle, 2 * math.pi)
-        angle -= miss / (slope - 1)
-    return begin, angle % (2 * math.pi)
+            before = _before(angle, couplings[-1], deltas[-1])
+            starts.append((len(couplings) - 1, before % (2 * math.pi)))
+    return Closings(case, angles, tuple(starts), separation)
 
 
 def _after(flap_angle: float, coupling_there: float, delta: float) -> float:
@@ -294,19 +272,16 @@ def loop_miss(
     miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
     # slope of each step, and of the way from behind each step to the end of the loop
     slopes = -couplings / ((couplings * c) ** 2 + s * s)
-    ahead = np.cumprod(slopes[:0:-1])[::-1]
-    total = float(np.abs(ahead).sum()) + 1.0
+    with np.errstate(over="ignore"):  # changes too small for floats make up for the miss there
+        ahead = np.cumprod(slopes[:0:-1])[::-1]
+        total = float(np.abs(ahead).sum()) + 1.0
     spread: FloatArray = -miss * np.sign(ahead) / total
     return miss, spread
 
 
-def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray, float]:
-    """Product of all steps, each of determinant -1, over its largest entry; and its determinant.
-
-    The determinant is carried along: of a product that stretches much the entries do not tell it.
-    """
+def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
+    """Product of all steps, each of determinant -1, over its largest entry, shape (2, 2)."""
     product = np.eye(2)
-    logarithm = 0.0
     root = np.sqrt(couplings)
     cos_half, sin_half = np.cos(deltas / 2), np.sin(deltas / 2)
     steps = np.stack(
@@ -314,10 +289,8 @@ def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> tuple[FloatArray,
     ).reshape(-1, 2, 2)
     for step in steps:
         product = step @ product
-        scale = float(np.abs(product).max())
-        product /= scale
-        logarithm -= 2 * math.log(scale)
-    return product, (-1.0) ** len(steps) * math.exp(logarithm)
+        product /= np.abs(product).max()
+    return product
 
 
 def _fixed_direction(loop: FloatArray) -> FloatArray | None:

@@ -7,7 +7,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.errors import InvalidValue
+
 __all__ = [
+    "LARGEST",
+    "SMALLEST",
     "BoolArray",
     "ComplexArray",
     "FloatArray",
@@ -17,13 +21,56 @@ __all__ = [
     "dot",
     "full_turn",
     "norm",
+    "numbers",
+    "points",
     "unit",
 ]
+
+# Coordinates and lengths in between keep their fourth powers within the range of floats.
+SMALLEST, LARGEST = 1e-50, 1e50
 
 FloatArray: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.int64]
 BoolArray: TypeAlias = NDArray[np.bool_]
 ComplexArray: TypeAlias = NDArray[np.complex128]
+
+
+def numbers(name: str, value: object) -> FloatArray:
+    """`value` as an array of float64; raises `InvalidValue` unless it holds real numbers only."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        array = np.empty(0, object)
+    if array.dtype.kind not in "iuf":
+        raise InvalidValue(
+            name,
+            f"{type(value).__name__} ({array.dtype})",
+            "hold real numbers, as many in every row",
+            "Give an array, or lists of one length.",
+        )
+    return np.asarray(array, np.float64)
+
+
+def points(name: str, value: object) -> FloatArray:
+    """`value` as points in space, shape (n, 3), read-only.
+
+    Raises `InvalidValue` for other shapes and for coordinates that are not finite or over 1e50.
+    """
+    array = numbers(name, value)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidValue(
+            name, f"array of shape {array.shape}", "have shape (n, 3)", "Give x, y, z of each."
+        )
+    if not np.abs(array).max(initial=0.0) <= LARGEST:
+        raise InvalidValue(
+            name,
+            "an array with NaN, infinity or too large numbers",
+            f"hold coordinates from {-LARGEST:g} to {LARGEST:g}",
+            "Check where they come from, or scale them.",
+        )
+    out = array.view()
+    out.flags.writeable = False
+    return out
 
 
 def dot(u: FloatArray, v: FloatArray) -> FloatArray:

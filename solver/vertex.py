@@ -33,27 +33,31 @@ __all__ = [
     "self_intersects",
 ]
 
+# A vertex has room to fold where its angles lie this far inside their bounds, radians.
+_ROOM = 2e-12
+
 
 def require_foldable(beta: FloatArray, k: FloatArray) -> None:
     """Raise `InvalidValue` for the first vertex without 0 < beta < pi, beta < k < 2 pi - beta.
 
-    beta, k : radians, shape (n,).
+    beta, k : radians, shape (n,). The ends are refused with a margin of 2e-12: nearer to them the
+    angles of rounded points tell nothing.
     """
-    for i in np.flatnonzero(~((beta > 0) & (beta < np.pi))):
+    for i in np.flatnonzero(~((beta > _ROOM) & (beta < np.pi - _ROOM))):
         require_within(
             f"beta[{i}]",
             float(beta[i]),
-            0.0,
-            np.pi,
+            _ROOM,
+            np.pi - _ROOM,
             "Front vertices must turn: move the vertex off the line through its neighbours.",
             angle=True,
         )
-    for i in np.flatnonzero(~((k > beta) & (k < 2 * np.pi - beta))):
+    for i in np.flatnonzero(~((k > beta + _ROOM) & (k < 2 * np.pi - beta - _ROOM))):
         require_within(
             f"k[{i}]",
             float(k[i]),
-            float(beta[i]),
-            float(2 * np.pi - beta[i]),
+            float(beta[i] + _ROOM),
+            float(2 * np.pi - beta[i] - _ROOM),
             "The sectors left at a vertex must leave room to fold: choose k inside, "
             "or change the front's angle beta.",
             angle=True,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from math import acos, dist
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,12 @@ def turned_onto(points: np.ndarray, target: np.ndarray) -> np.ndarray:
     turn = np.vdot(za, zb)
     z = za * turn / abs(turn)
     return np.column_stack([z.real, z.imag]) + target.mean(axis=0)
+
+
+def angle_at(p, q, r) -> float:
+    """Angle at q between p and r, by the law of cosines."""
+    u, v, w = dist(q, p), dist(q, r), dist(p, r)
+    return acos((u * u + v * v - w * w) / (2 * u * v))
 
 
 @cache

@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 
-from solver import CurvedFold, InvalidValue, QuadMesh
+from solver import CurvedFold, Front, InvalidValue, QuadMesh, Side, Strip, grow, seeds
+from solver.vectors import angle_between
 
 unit_floats = st.floats(0.0, 1.0)
 
@@ -53,3 +54,41 @@ def patches(draw):
     except InvalidValue:
         assume(False)
     return mesh
+
+
+@st.composite
+def curves(draw):
+    """A random zigzag in space and its k: a front that is only a curve, (m + 1, 3) and (m - 1,).
+
+    Every vertex turns, and k stays 5 % of its interval away from the ends.
+    """
+    columns = draw(st.integers(2, 12))
+    random = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    points = np.zeros((columns + 1, 3))
+    points[:, 0] = np.arange(columns + 1)
+    points[:, 1] = 0.7 * (np.arange(columns + 1) % 2)
+    points += random.uniform(-0.4, 0.4, points.shape)
+    edges = np.diff(points, axis=0)
+    beta = angle_between(-edges[:-1], edges[1:])
+    assume((np.sin(beta) > 0.1).all())
+    return points, beta + random.uniform(0.05, 0.95, columns - 1) * (2 * np.pi - 2 * beta)
+
+
+@st.composite
+def fronts(draw):
+    """The front of a grown patch, or a random curve in space."""
+    if draw(st.booleans()):
+        return Front.on_curve(*draw(curves()))
+    return Front.of(draw(patches()), Side.TOP)
+
+
+@st.composite
+def sheets(draw):
+    """Up to four strips grown from a random curve, each at a random flap angle."""
+    points, k = draw(curves())
+    flap_angles = draw(st.lists(st.floats(0.1, 6.18), min_size=2, max_size=4))
+
+    def choose(_front, strip):
+        return Strip(flap_angles[strip], lambda rays: np.minimum(0.3 * rays.length_bounds, 0.5))
+
+    return grow(seeds.curve(points), len(flap_angles), choose, k=k).mesh

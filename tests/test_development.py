@@ -8,7 +8,7 @@ import shapely
 from helpers import published, turned_onto
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import patches
+from strategies import patches, sheets
 
 from fab.development import develop, overlapping_faces
 from fab.polygons import ring_areas
@@ -45,6 +45,18 @@ def test_lengths_survive_and_faces_stay_counterclockwise(mesh):
         ).min()
         > 0
     )
+
+
+@given(sheets())
+def test_sides_and_diagonals_of_every_face_survive(mesh):
+    flat = develop(mesh).vertices_coords
+    for i, j in combinations(range(4), 2):
+        ends = mesh.faces_vertices[:, [i, j]]
+        folded, unfolded = (
+            np.linalg.norm(x[ends[:, 0]] - x[ends[:, 1]], axis=1)
+            for x in (mesh.vertices_coords, flat)
+        )
+        assert unfolded == pytest.approx(folded, rel=1e-9)
 
 
 @given(patches())

@@ -95,7 +95,7 @@ def test_a_front_of_three_vertices_has_one_flap_angle():
         (lambda: Front.on_curve(ZIGZAG, 1.0), r"k\[0\]"),
         (lambda: Front.on_curve(ZIGZAG * [1, 0, 0], 3.0), r"beta\[0\]"),
         (lambda: Front.on_curve(ZIGZAG[[0, 1, 1, 2]], 3.0), "front edge 1"),
-        (lambda: Front.on_curve(ZIGZAG * np.nan, 3.0), "front edge 0"),
+        (lambda: Front.on_curve(ZIGZAG * np.nan, 3.0), "front = .* NaN"),
         (lambda: Front.between(ZIGZAG, ZIGZAG), "crease behind front vertex 1"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=0), "1 to 3"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=4), "1 to 3"),
@@ -117,3 +117,87 @@ def test_a_front_of_three_vertices_has_one_flap_angle():
 def test_misuse_is_refused(call, match):
     with pytest.raises(InvalidValue, match=match):
         call()
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: Front.on_curve("zigzag", 3.0),
+        lambda: Front.on_curve(None, 3.0),
+        lambda: Front.on_curve(ZIGZAG + 1j, 3.0),
+        lambda: Front.on_curve(ZIGZAG[:, :2], 3.0),
+        lambda: Front.on_curve([[0, 0, 0], [1, 1]], 3.0),
+        lambda: Front.on_curve(ZIGZAG[:0], 3.0, closed=True),
+        lambda: Front.on_curve(ZIGZAG[[0, 1, 2, 0]], 3.0, closed=True),
+        lambda: Front.on_curve(ZIGZAG * 1e-150, 3.0),
+        lambda: Front.on_curve(ZIGZAG * 1e150, 3.0),
+        lambda: Front.on_curve(np.where(ZIGZAG == 4, np.inf, ZIGZAG), 3.0),
+        lambda: Front.on_curve(ZIGZAG, "3"),
+        lambda: Front.on_curve(ZIGZAG, np.nan),
+        lambda: Front.on_curve(ZIGZAG, np.inf),
+        lambda: Front.on_curve(ZIGZAG, -np.pi / 2),
+        lambda: Front.on_curve(ZIGZAG, 3 + 0j),
+        lambda: Front.between(ZIGZAG, ZIGZAG[:4]),
+        lambda: Front.between(ZIGZAG, None),
+        lambda: Front.between(ZIGZAG, LIFTED * 1e200),
+        lambda: Front.between(
+            ZIGZAG, np.where(LIFTED == 5, np.nan, LIFTED) * [[1], [1], [1], [1], [np.nan]]
+        ),
+        lambda: Front.of(QuadMesh.from_rows(np.stack([ZIGZAG, LIFTED])), "up"),
+        lambda: Front.of(QuadMesh.from_rows(np.stack([ZIGZAG, LIFTED]) * 1e-60), Side.TOP),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays("1"),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(None),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(np.array([1.0])),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=1.5),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at="1"),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, boundary_angles=None),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, boundary_angles=(1.0,)),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, boundary_angles=("a", None)),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0).row([1.0, 2.0]),
+        lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0).row("1"),
+        lambda: Front.on_curve(ZIGZAG, 3.0).self_intersections(np.ones(3)),
+        lambda: Front.on_curve(ZIGZAG, 3.0).away_from_back(np.ones((2, 3))),
+    ],
+)
+def test_rubbish_is_refused(call):
+    with pytest.raises(InvalidValue):
+        call()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_fronts_without_room_up_to_rounding_are_refused(seed):
+    """A flat sheet leaves k = beta or 2 pi - beta, a straight front beta = pi, but for rounding."""
+    random = np.random.default_rng(seed)
+    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    arc = np.linspace(0.3, 2.5, 3) + random.uniform(-0.3, 0.3, 3)
+    arc = np.column_stack([np.cos(arc), np.sin(arc), 0 * arc])
+    for size in (0.5, 2.0):
+        with pytest.raises(InvalidValue, match=r"k\[\d\]"):
+            Front.between(arc @ turn, size * arc @ turn)
+    line = ZIGZAG[:3] * [random.uniform(0.5, 2), 0, 0]
+    with pytest.raises(InvalidValue, match=r"beta\[\d\]"):
+        Front.between(line @ turn, (line - [0.0, 1.0, 1.0]) @ turn)
+    with pytest.raises(InvalidValue, match=r"beta\[\d\]"):
+        Front.on_curve(line @ turn, np.pi)
+
+
+def test_a_sheet_too_small_for_its_digits_is_refused_for_its_size():
+    mesh = QuadMesh.from_rows(np.stack([ZIGZAG - [0.0, 1.0, 1.0], ZIGZAG]) * 1e-100)
+    with pytest.raises(InvalidValue, match="length of front edge 0"):
+        Front.of(mesh, Side.TOP)
+
+
+def test_lists_integers_and_single_precision_are_the_same_front():
+    known = Front.between(ZIGZAG, ZIGZAG - [0.0, 1.0, 1.0]).rays(1.0)
+    for kind in (np.ndarray.tolist, lambda x: x.astype(int), lambda x: x.astype(np.float32)):
+        rays = Front.between(kind(ZIGZAG), kind(ZIGZAG - [0.0, 1.0, 1.0])).rays(np.float64(1.0))
+        assert (rays.row([0.1] * 5) == known.row(0.1)).all()
+
+
+def test_fronts_and_rays_are_read_only_and_the_callers_array_is_left_alone():
+    points = ZIGZAG.copy()
+    front = Front.on_curve(points, 3.0)
+    points[0] = 7  # the caller may go on
+    for array in (front.vertices_coords, front.beta, front.rays(1.0).directions):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1

@@ -4,9 +4,10 @@ from itertools import permutations
 
 import numpy as np
 import pytest
-from helpers import published
+from helpers import angle_at, published
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from strategies import curves, sheets
 
 from solver import (
     CurvedFold,
@@ -16,6 +17,7 @@ from solver import (
     QuadMesh,
     Side,
     Status,
+    Stop,
     Strip,
     developability,
     grow,
@@ -126,6 +128,39 @@ def test_mirrored_input_and_flap_angles_give_the_mirrored_sheet():
     assert np.abs(sheet(seed * mirror, flap) * mirror - sheet(seed, flap)).max() > 1e-3
 
 
+@given(curves(), st.floats(0.1, 6.18), st.integers(0, 2**32 - 1))
+def test_growth_moves_turns_grows_and_mirrors_with_its_seed(curve, flap, seed):
+    points, k = curve
+    motion, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    handed = np.sign(np.linalg.det(motion))
+
+    def sheet(points, flap, size):
+        # the middle vertex leads, so that errors have few vertices to grow on
+        at = 1 + len(k) // 2
+        strip = Strip(flap, lambda rays: 0.3 * rays.length_bounds.clip(max=size), at)
+        return grow(seeds.curve(points), 2, lambda front, j: strip, k=k).mesh
+
+    here = sheet(points, flap, 1.0)
+    there = sheet(4 * points @ motion + 7.0, handed * flap, 4.0)
+    assert here.grid.shape == there.grid.shape
+    moved = 4 * here.vertices_coords @ motion + 7.0
+    assert np.abs(there.vertices_coords - moved).max() < 1e-9
+
+
+@given(sheets())
+def test_sectors_around_every_interior_vertex_add_up_to_a_full_turn(mesh):
+    total = np.zeros(len(mesh.vertices_coords))
+    for face in mesh.faces_vertices.tolist():
+        corners = mesh.vertices_coords[face]
+        sectors = np.array([angle_at(*corners[[i - 1, i, (i + 1) % 4]].tolist()) for i in range(4)])
+        # the sectors of a plane quad add up to 2 pi: what is missing tells the reflex one
+        missing = 2 * np.pi - sectors.sum()
+        i = int(np.argmin(np.abs(2 * (np.pi - sectors) - missing)))
+        sectors[i] += missing if missing > 1e-3 else 0.0
+        total[face] += sectors
+    assert total[mesh.grid[1:-1, 1:-1]] == pytest.approx(2 * np.pi, abs=1e-6)
+
+
 def miura_flap(front: Front, strip: int) -> float:
     u = front.edges_direction
     lean = np.sqrt(1 - np.sin(np.radians(45)) ** 2 * np.sin(np.radians(60)) ** 2)
@@ -155,11 +190,62 @@ def test_a_seed_that_cannot_grow_says_why():
         grow(seed, 1, lambda front, strip: closing)
 
 
-@pytest.mark.parametrize("lengths", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("lengths", [0.0, -1.0, np.nan, np.inf, 1e-30, 1e300])
 def test_bad_lengths_are_refused(lengths):
     seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
     with pytest.raises(InvalidValue, match=r"length\[0\]"):
         grow(seed, 1, lambda front, strip: Strip(1.0, lengths))
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        None,
+        (1.0, 0.1),
+        Strip("1", 0.1),
+        Strip(1.0, "0.1"),
+        Strip(1.0, None),
+        Strip(1.0, np.full(4, 0.1)),
+        Strip(1.0, lambda rays: None),
+        Strip(1.0, lambda rays: rays.directions),
+        Strip(1.0, 0.1, at=0),
+        Strip(1.0, 0.1, at=2.0),
+        Strip(1.0, 0.1, boundary_angles=None),
+    ],
+)
+@pytest.mark.parametrize("good", [0, 1])
+def test_rubbish_from_callbacks_is_refused(choice, good):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    strips = [Strip(1.0, 0.1)] * good + [choice]
+    with pytest.raises(InvalidValue):
+        grow(seed, 2, lambda front, strip: strips[strip])
+
+
+@pytest.mark.parametrize("strips", [0, -1, 1.5, 2.0, "2", None, True, np.nan, 10**9])
+def test_strips_are_counted_in_whole_numbers(strips):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    with pytest.raises(InvalidValue, match=r"strips|quads"):
+        grow(seed, strips, lambda front, strip: Strip(1.0, 0.1))
+
+
+def test_a_choice_to_stop_keeps_the_strips_before_it():
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
+    choices = [Strip(1.0, 0.1), Strip(1.0, 0.1), Stop(Status.COVERED, "enough")]
+    growth = grow(seed, 9, lambda front, strip: choices[strip])
+    assert (growth.status, growth.strips, growth.advice) == (Status.COVERED, 2, "enough")
+    assert growth.mesh.grid.shape == (4, 5)
+    assert len(growth.mesh.vertices_coords) == 20
+
+
+@pytest.mark.parametrize("scale", [1e-40, 1e-12, 1e12, 1e40])
+def test_sheets_of_any_size_are_the_same_sheet(scale):
+    seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0).vertices_coords.reshape(2, 5, 3)
+    one, other = (
+        grow(QuadMesh.from_rows(s * seed), 3, lambda f, j, s=s: Strip(1.0, 0.1 * s)).mesh
+        for s in (1.0, scale)
+    )
+    assert other.vertices_coords / scale == pytest.approx(one.vertices_coords, abs=1e-12)
+    assert developability(other.vertices_coords, other.faces_vertices).max() < 1e-13
 
 
 def test_progress_is_told_after_every_strip():

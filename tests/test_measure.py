@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import patches
 
+from solver import InvalidValue
 from solver.measure import angle_excess, developability, isometry, planarity, sector_angles
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
@@ -23,6 +24,9 @@ def test_planarity_is_dimensionless_and_zero_for_flat_polygons():
     angle = np.arange(6) * np.pi / 3
     hexagon = np.column_stack([np.cos(angle), np.sin(angle), 0.3 * np.cos(angle)])
     assert planarity(hexagon, np.arange(6)[None])[0] < 1e-15
+    crown = hexagon * [1, 1, 0] + np.outer(np.where(np.arange(6) % 2, 0.05, -0.05), [0, 0, 1])
+    # diagonals join the neighbours of a corner
+    assert planarity(crown, np.arange(6)[None])[0] == pytest.approx(0.1 / np.sqrt(3), rel=1e-12)
     hexagon[::2, 2] += 0.1
     small = planarity(hexagon * 1e-3, np.arange(6)[None])
     assert small == pytest.approx(planarity(hexagon, np.arange(6)[None]), rel=1e-12)
@@ -81,3 +85,48 @@ def test_isometry_is_the_largest_relative_change_of_a_side_or_diagonal():
     assert isometry(SQUARE, sheared, QUAD)[0] == pytest.approx(expected, rel=1e-12)
     assert isometry(SQUARE, SQUARE[:, :2] @ np.array([[0.6, 0.8], [-0.8, 0.6]]), QUAD)[0] < 1e-15
     assert isometry(SQUARE, 3 * SQUARE, QUAD)[0] == pytest.approx(2)
+
+
+@pytest.mark.parametrize(
+    ("coords", "faces"),
+    [
+        (SQUARE * np.nan, QUAD),
+        (SQUARE * 1e80, QUAD),
+        (SQUARE * 1e-80, QUAD),
+        (SQUARE[:, :2], QUAD),
+        (None, QUAD),
+        (SQUARE, QUAD + 1),
+        (SQUARE, QUAD - 1),
+        (SQUARE, QUAD[0]),
+        (SQUARE, QUAD[:, :2]),
+        (SQUARE, QUAD.astype(float)),
+    ],
+)
+def test_rubbish_is_refused(coords, faces):
+    for measure in (planarity, developability, lambda x, f: isometry(x, SQUARE, f)):
+        with pytest.raises(InvalidValue):
+            measure(coords, faces)
+
+
+def test_isometry_wants_a_flat_point_for_each_vertex():
+    for flat in (SQUARE[:3], SQUARE[:, :1], "flat"):
+        with pytest.raises(InvalidValue, match="flat_coords"):
+            isometry(SQUARE, flat, QUAD)
+
+
+def test_lists_and_no_faces_are_measured():
+    assert planarity(SQUARE.tolist(), QUAD.tolist())[0] == 0
+    assert planarity(SQUARE, QUAD[:0]).shape == (0,)
+    assert (developability(SQUARE, QUAD[:0]) == 0).all()
+
+
+def test_planarity_is_relative_to_the_longer_diagonal_and_has_no_sign():
+    kite = np.array([[0.0, 0, 0], [4, 0, 0], [5, 1, 0], [0, 4, 0]])
+    up, down = kite.copy(), kite.copy()
+    up[2, 2], down[2, 2] = 0.3, -0.3
+    first, second = up[2] - up[0], up[3] - up[1]
+    normal = np.cross(first, second)
+    gap = abs(normal @ (up[1] - up[0])) / np.linalg.norm(normal)
+    longer = max(np.linalg.norm(first), np.linalg.norm(second))
+    assert planarity(up, QUAD)[0] == pytest.approx(gap / longer, rel=1e-12)
+    assert planarity(down, QUAD)[0] == pytest.approx(gap / longer, rel=1e-12)

@@ -118,8 +118,31 @@ def test_a_boundary_that_touches_itself_is_refused():
 
 
 @pytest.mark.parametrize(
-    "rows", [np.zeros((2, 2, 3)), np.zeros((2, 3)), np.full((2, 3, 3), np.nan)]
+    "rows",
+    [
+        np.zeros((2, 2, 3)),
+        np.zeros((2, 3)),
+        np.full((2, 3, 3), np.nan),
+        np.full((2, 3, 3), 1e60),
+        np.zeros((2, 3, 3), complex),
+        np.zeros((0, 3, 3)),
+        [[[0, 0, 0], [1, 1, 0]], [[0, 0, 0]]],
+        "rows",
+        None,
+    ],
 )
 def test_bad_rows_are_refused(rows):
     with pytest.raises(InvalidValue):
         QuadMesh.from_rows(rows)
+
+
+@pytest.mark.parametrize("rows", [np.zeros((2, 4, 3)), np.zeros((3, 3)), np.zeros((1, 3, 2))])
+def test_rows_to_grow_have_a_point_for_each_vertex_of_the_side(rows):
+    with pytest.raises(InvalidValue, match=r"shape \(n, 3, 3\)"):
+        flat_patch(3, 3).extended(Side.TOP, rows)
+
+
+def test_vertices_without_faces_are_not_interior():
+    mesh = flat_patch(3, 3)
+    inside = interior_vertices(mesh.faces_vertices, 12)
+    assert np.flatnonzero(inside).tolist() == [4]

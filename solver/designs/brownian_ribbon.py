@@ -48,8 +48,7 @@ class BrownianRibbon:
         require_count("steps", self.steps, 3, "A ribbon needs interior creases.")
         require_within("turn", self.turn, 0.0, 2.001 * np.pi, "A circle has 360.", angle=True)
         require_within("width_share", self.width_share, 0.0, 1.0, "One half is safe.")
-        if self.random_seed < 0:
-            raise InvalidValue("random_seed", self.random_seed, "be at least 0", "Any will do.")
+        require_count("random_seed", self.random_seed, 0, "Any whole number in this range will do.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
         for _ in range(_DRAWS):
             walk = np.zeros((self.steps + 1, 3))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
-from solver.errors import InvalidValue, require_count, require_length
+from solver.errors import InvalidValue, require_count, require_length, require_number
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.transfer import prefix_products, transform
@@ -51,10 +51,9 @@ class Crumpled:
         require_length("length_limit", self.length_limit)
         require_count("columns", self.columns, 2, "A strip needs an interior crease.")
         for name, value in (("power", self.power), ("seed_deviation", self.seed_deviation)):
+            require_number(name, value)
             if not 0 <= value <= 20:
                 raise InvalidValue(name, value, "lie from 0 to 20", "Try the default.")
-        if self.random_seed < 0:
-            raise InvalidValue("random_seed", self.random_seed, "be at least 0", "Any will do.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
         lengths = _positive_normal(random, self.columns + 1, abs(self.seed_deviation))
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)

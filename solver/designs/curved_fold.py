@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
-from solver.errors import InvalidValue, require_count, require_length
+from solver.errors import InvalidValue, require_count, require_length, require_number
 from solver.front import Front
 from solver.growth import Growth, Strip, grow
 from solver.vectors import FloatArray
@@ -68,6 +68,7 @@ class CurvedFold:
         require_count("columns", self.columns, 2, "A strip needs an interior crease.")
         require_length("step", self.step)
         require_length("crease_length", self.crease_length)
+        require_number("zigzag", self.zigzag)
         require_length("zigzag", abs(self.zigzag))
         i: FloatArray = np.arange(self.columns + 1.0)
         x, y = CURVES[self.curve](-1.0 + i * self.step, self.zigzag * (-1.0) ** i)

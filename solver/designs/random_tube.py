@@ -54,8 +54,7 @@ class RandomTube:
             )
         require_within("jitter", self.jitter, 0.0, 0.5, "Small jitter keeps the loop open.")
         require_within("crease_length", self.crease_length, 1e-6, 1e6, "Half the radius is common.")
-        if self.random_seed < 0:
-            raise InvalidValue("random_seed", self.random_seed, "be at least 0", "Any will do.")
+        require_count("random_seed", self.random_seed, 0, "Any whole number in this range will do.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
         around = 2 * np.pi * np.arange(self.sides) / self.sides
         loop = np.column_stack([np.cos(around), np.sin(around), 0 * around])

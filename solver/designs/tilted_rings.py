@@ -9,7 +9,13 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from solver.arcs import contain
-from solver.errors import InvalidValue, require_count, require_length, require_within
+from solver.errors import (
+    InvalidValue,
+    require_count,
+    require_length,
+    require_number,
+    require_within,
+)
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh
@@ -56,6 +62,7 @@ class TiltedRings:
         require_length("height", self.height)
         require_within("cone_angle", self.cone_angle, 0, np.pi, "45 degrees is common.", angle=True)
         require_within("tilt", self.tilt, -np.pi, np.pi, "Small angles fold further.", angle=True)
+        require_number("height_growth", self.height_growth)
         if not -1 < self.height_growth < 100:
             raise InvalidValue(
                 "height_growth", self.height_growth, "lie between -1 and 100", "0 keeps it."
