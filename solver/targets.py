@@ -13,9 +13,16 @@ from solver.vectors import BoolArray, FloatArray, cross, dot, unit
 __all__ = ["ParametricSurface", "Target", "TurnedTarget", "explicit_surface", "ray_hit"]
 
 _STEPS = 60
-_EXACT = 1e-14
+# Steps this small do not count; steps below the second number that no longer shrink are rounding.
+_EXACT = 1e-15
+_ROUNDING = 1e-9
 # A ray whose last step is longer, relative to its length, found nothing: it goes round in circles.
 _SETTLED = 1e-11
+
+
+def _settled(now: float, before: float) -> bool:
+    """Whether relative steps of this size, after such ones before, are worth no further one."""
+    return now <= _EXACT or (now < _ROUNDING and now > before / 2)
 
 
 class Target(Protocol):
@@ -47,6 +54,11 @@ class Target(Protocol):
         """Whether places belong to the domain, not to the surface's continuation, shape (n,)."""
 
 
+def _largest(steps: FloatArray) -> float:
+    """Largest size among the numbers; those that are none have failed and do not count."""
+    return float(np.max(np.abs(steps), initial=0.0, where=np.isfinite(steps)))
+
+
 def ray_hit(
     target: Target,
     origins: FloatArray,
@@ -63,6 +75,7 @@ def ray_hit(
     lengths = np.zeros(len(origins))
     places = guess.copy()
     missed: BoolArray = np.zeros(len(origins), bool)
+    before = np.inf
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         for _ in range(_STEPS):
             points = origins + lengths[:, None] * directions
@@ -72,8 +85,10 @@ def ray_hit(
             lengths = lengths + step
             missed |= ~np.isfinite(lengths)
             lengths[missed] = 0.0
-            if not (np.abs(step) > _EXACT * (1 + np.abs(lengths))).any():
+            now = _largest(step / (1 + np.abs(lengths)))
+            if _settled(now, before):
                 break
+            before = now
     unsettled = np.abs(step) > _SETTLED * (1 + np.abs(lengths))
     lengths[missed | unsettled | (lengths <= 0)] = np.nan
     return lengths, places
@@ -124,7 +139,7 @@ class ParametricSurface:
         Nearest points by Gauss-Newton, which converges linearly at the rate distance x curvature:
         fast for the thin sheets of origami.
         """
-        uv = guess
+        uv, before = guess, np.inf
         for _ in range(_STEPS):
             along_u, along_v = self.tangents(uv)
             off = points - self.point(uv)
@@ -133,8 +148,10 @@ class ParametricSurface:
             determinant = e * g - f * f
             step = np.column_stack([(g * p - f * q), (e * q - f * p)]) / determinant[:, None]
             uv = uv + step
-            if not np.abs(step).max() > _EXACT * (1 + np.abs(uv).max()):
+            now = _largest(step / (1 + np.abs(uv)))
+            if _settled(now, before):
                 break
+            before = now
         normal = unit(cross(along_u, along_v))
         return dot(points - self.point(uv), normal), normal, uv
 

@@ -118,7 +118,9 @@ def test_check_measures_a_fold_file(here):
 
 
 def test_a_sheet_that_crosses_itself_is_warned_of_when_made_and_when_checked(here):
-    made = run("run", TEMPLATES / "random_tube.toml", "--only", "fold")
+    wide = ("design.sides=9", "design.crease_length=0.5", "design.random_seed=6")
+    changes = [word for change in wide for word in ("--set", change)]
+    made = run("run", TEMPLATES / "random_tube.toml", "--only", "fold", *changes)
     checked = run("check", "random_tube.fold")
     for result in (made, checked):
         assert result.exit_code == 0, result.output

@@ -115,9 +115,9 @@ NEARLY_ALIKE = [
 
 
 def overlaps_of(one, two):
-    faces = np.arange(8).reshape(2, 4)
-    edges = edges_of(faces.ravel(), np.array([0, 4, 8]))
-    return overlapping_faces(np.concatenate([one, two]), faces, edges).tolist()
+    corners, offsets = np.arange(8), np.array([0, 4, 8])
+    edges = edges_of(corners, offsets)
+    return overlapping_faces(np.concatenate([one, two]), corners, offsets, edges).tolist()
 
 
 @pytest.mark.parametrize(("one", "two"), NEARLY_ALIKE)
