@@ -104,7 +104,7 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
     report = made_template(name).report
     assert report["counts"]["faces"] == faces
     assert tuple(report["counts"]["creases"][letter] for letter in "MVB") == creases
-    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, abs=1e-3)
+    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, rel=2e-5)
     if solids is None:
         assert report["solids"] is None
     else:
