@@ -15,12 +15,19 @@ from contextlib import contextmanager
 import ezdxf
 from ezdxf.enums import InsertUnits
 
-from fab.perforation import CutPaths, Layer, Operation
+from fab.paths import CutPaths, Layer, Operation
 
 __all__ = ["dxf_bytes"]
 
-# AutoCAD colour index by operation: red mountains, blue valleys, black (white on dark) cuts.
-_COLOURS = {Operation.MOUNTAIN: 1, Operation.VALLEY: 5, Operation.CUT: 7}
+# AutoCAD colour index by operation: green marks, red mountains, blue valleys, magenta relief holes,
+# black (white on dark) cuts.
+_COLOURS = {
+    Operation.ENGRAVE: 3,
+    Operation.MOUNTAIN: 1,
+    Operation.VALLEY: 5,
+    Operation.RELIEF: 6,
+    Operation.CUT: 7,
+}
 
 _LINE = (
     "  0\nLINE\n  5\n%X\n330\n{owner}\n100\nAcDbEntity\n  8\n{layer}\n100\nAcDbLine\n"

@@ -2,34 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
-
 import numpy as np
 from pydantic import Field
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
+from fab.paths import CutPaths, Layer, Operation
 from fab.settings import Settings
 from solver.errors import InvalidValue
 from solver.mesh import boundary_loops
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["CutPaths", "DashStyle", "Layer", "Operation", "PerforationSettings", "perforate"]
+__all__ = ["DashStyle", "PerforationSettings", "perforate"]
 
 
 # What is left of a crease between its margins must be longer than this to be cut.
 _SHORTEST_CUT_MM = 0.01
 # A cutter takes days over more, and they fill the memory.
 _MOST_DASHES = 5_000_000
-
-
-class Operation(StrEnum):
-    """What the machine does along a line. Each is a layer of its own in every drawing."""
-
-    MOUNTAIN = "MOUNTAIN"
-    VALLEY = "VALLEY"
-    CUT = "CUT"
 
 
 class DashStyle(Settings):
@@ -47,29 +37,6 @@ class PerforationSettings(Settings):
     margin_mm: float = Field(
         default=0.5, gt=0, le=1000, description="uncut at both ends of every crease"
     )
-
-
-@dataclass(frozen=True)
-class Layer:
-    """All lines of one operation, in millimetres.
-
-    Attributes
-    ----------
-    segments : open lines, shape (n, 2, 2): line, end, coordinate.
-    outlines : closed polylines, each of shape (m, 2), the first vertex not repeated.
-    """
-
-    operation: Operation
-    segments: FloatArray
-    outlines: tuple[FloatArray, ...] = ()
-
-
-@dataclass(frozen=True)
-class CutPaths:
-    """What one sheet has on it, in the order in which it is drawn; `size_mm` is its box."""
-
-    layers: tuple[Layer, ...]
-    size_mm: tuple[float, float]
 
 
 def perforate(

@@ -7,11 +7,17 @@ from __future__ import annotations
 
 from xml.sax.saxutils import escape, quoteattr
 
-from fab.perforation import CutPaths, Layer, Operation
+from fab.paths import CutPaths, Layer, Operation
 
 __all__ = ["svg_bytes"]
 
-_COLOURS = {Operation.MOUNTAIN: "#ff0000", Operation.VALLEY: "#0000ff", Operation.CUT: "#000000"}
+_COLOURS = {
+    Operation.ENGRAVE: "#00a000",
+    Operation.MOUNTAIN: "#ff0000",
+    Operation.VALLEY: "#0000ff",
+    Operation.RELIEF: "#ff00ff",
+    Operation.CUT: "#000000",
+}
 _HAIRLINE_MM = 0.1
 
 

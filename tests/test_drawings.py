@@ -12,7 +12,8 @@ from ezdxf import recover
 from fab.crease import crease_pattern
 from fab.development import develop
 from fab.dxf import dxf_bytes
-from fab.perforation import CutPaths, Layer, Operation, PerforationSettings, perforate
+from fab.paths import CutPaths, Layer, Operation
+from fab.perforation import PerforationSettings, perforate
 from fab.svg import svg_bytes
 from solver import CurvedFold
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from fab.crease import crease_pattern
 from fab.development import develop
-from fab.perforation import DashStyle, Operation, PerforationSettings, dashes, perforate
+from fab.paths import Operation
+from fab.perforation import DashStyle, PerforationSettings, dashes, perforate
 from solver import Miura
 
 sizes = st.floats(0.05, 20.0)
