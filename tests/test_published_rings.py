@@ -1,4 +1,4 @@
-"""The published rings 4B and 4C against ours: they differ by the flap angle chosen alone."""
+"""The published rings 4B and 4C against ours: 4B differs by flap angles, 4C by its first plane."""
 
 import numpy as np
 import pytest
