@@ -19,6 +19,7 @@ from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
 from fab.settings import Settings
 from solver import DESIGNS, Design
+from solver.designs.surface_fit import SURFACES
 from solver.targets import Target
 
 __all__ = ["Job", "SheetSettings", "design_key", "load_job", "parse_job"]
@@ -38,26 +39,33 @@ class DesignSettings(Settings):
         given = {}
         for field in dataclasses.fields(cls):
             value = values[design_key(field)]
-            if _is_angle(field):
+            if _is_angle(field) and value is not None:
                 value = math.radians(value)
             elif _is_target(field):
-                value = _target(value, values["face"], folder)
+                value = _target(value, values["face"], values["up"], folder)
             given[field.name] = value
         design: Design = cls(**given)
         return design
 
 
-def _target(surface: str, face: int | None, folder: Path) -> str | Target:
+def _target(surface: str, face: int | None, up: list[float] | None, folder: Path) -> str | Target:
     """A surface by name, or from a file (which is told by its ending)."""
     if Path(surface).suffix:
         from fab.surface_file import read_surface
 
-        target: Target = read_surface(folder / surface, face)
+        target: Target = read_surface(folder / surface, face, up)
         return target
-    if face is not None:
+    if face is not None or up is not None:
         raise InvalidJob(
-            f"design.face = {face} must be left out for surface = {surface!r}: only STEP files "
-            "have faces to choose from."
+            f"design.face = {face} and design.up = {up} must be left out for surface = "
+            f"{surface!r}: only STEP files have faces to choose from, and only meshes a side."
+        )
+    if surface not in SURFACES:
+        close = difflib.get_close_matches(surface, SURFACES, 1, 0.4)
+        hint = f" Did you mean {close[0]}?" if close else ""
+        raise InvalidJob(
+            f"design.surface = {surface!r} must be one of {', '.join(SURFACES)}, or a file that "
+            f"ends in .stl, .obj, .ply, .step or .stp.{hint}"
         )
     return surface
 
@@ -80,10 +88,14 @@ def _design_settings(kind: str, cls: type[Design]) -> type[DesignSettings]:
     types = get_type_hints(cls)
     fields: dict[str, Any] = {"kind": (Literal[kind], ...)}
     for field in dataclasses.fields(cls):
-        default = round(math.degrees(field.default), 10) if _is_angle(field) else field.default  # type: ignore[arg-type]
+        default: Any = field.default
+        if _is_angle(field) and default is not None:
+            default = round(math.degrees(default), 10)
         fields[design_key(field)] = (str if _is_target(field) else types[field.name], default)
         if _is_target(field):  # a file may hold several surfaces
             fields["face"] = (int | None, None)
+            direction = Annotated[list[float], Field(min_length=3, max_length=3)]
+            fields["up"] = (direction | None, None)
     return create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **fields)
 
 

@@ -39,6 +39,9 @@ from solver import DESIGNS, Growth, InvalidValue, Status
 
 __all__ = ["Format", "Made", "make", "require_folder", "write"]
 
+# A sheet that covers less of its surface is told of.
+_COVERED = 0.95
+
 Progress = Callable[[str, int, int], None]
 
 
@@ -143,6 +146,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
             "strips": growth.strips,
             "advice": growth.advice,
             "coverage": growth.coverage,
+            "chosen": dict(growth.chosen),
         },
         "counts": {
             "vertices": len(pattern.vertices_coords),
@@ -239,10 +243,17 @@ def _solid_files(
 
 
 def _growth_findings(growth: Growth) -> list[Finding]:
-    if growth.status == Status.GROWN:
-        return []
-    text = f"growth stopped after {growth.strips} strips ({growth.status}). {growth.advice}"
-    return [Finding("growth-stopped", Severity.ERROR, text)]
+    findings = []
+    if growth.status != Status.GROWN:
+        text = f"growth stopped after {growth.strips} strips ({growth.status}). {growth.advice}"
+        findings.append(Finding("growth-stopped", Severity.ERROR, text))
+    if growth.coverage is not None and growth.coverage < _COVERED:
+        text = (
+            f"{growth.coverage:.1%} of the surface lies under the sheet. trim = true begins with a "
+            "longer seed; another zigzag, row_step or turn_deg may help."
+        )
+        findings.append(Finding("surface-not-covered", Severity.WARNING, text))
+    return findings
 
 
 def _overlap_findings(development: Development) -> list[Finding]:

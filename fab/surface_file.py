@@ -102,10 +102,15 @@ class SplineFace:
         return at
 
 
-def read_surface(path: str | Path, face: int | None = None) -> Target:
+def read_surface(
+    path: str | Path,
+    face: int | None = None,
+    up: Sequence[float] | None = None,
+) -> Target:
     """The surface in an STL, OBJ, PLY, STEP or STP file, as a target of surface fitting.
 
     face : number of the face of a STEP file, from 0; may be left out where there is one alone.
+    up : direction from which a mesh is seen (see `MeshSurface.from_faces`).
     Lengths of STEP files are in millimetres, whatever unit they were written in. Raises
     `InvalidFile` or `InvalidValue`.
     """
@@ -115,12 +120,18 @@ def read_surface(path: str | Path, face: int | None = None) -> Target:
         endings = ", ".join(_MESHES + _MODELS)
         raise InvalidFile(f"{file}: surfaces are read from files that end in {endings}.")
     if not file.is_file():
-        raise InvalidFile(f"{file}: there is no such file.")
+        what = "a folder, not a file" if file.is_dir() else "there is no such file"
+        raise InvalidFile(f"{file}: {what}.")
     if ending in _MESHES:
         if face is not None:
             cure = "Faces are chosen in STEP files; a mesh is followed as a whole."
             raise InvalidValue("face", face, "be None for a mesh", cure)
-        return MeshSurface.read(file)
+        return MeshSurface.read(file, up=up)
+    if up is not None:
+        cure = "The side of a face of a STEP file is the one on which its normals stand."
+        raise InvalidValue("up", up, "be None for a STEP file", cure)
+    if face is not None and (isinstance(face, bool) or not isinstance(face, int)):
+        raise InvalidValue("face", face, "be a whole number", "Faces are numbered from 0.")
     spline = _spline_face(_chosen(file, face))
     return ParametricSurface(spline.position, spline.derivatives, spline.within)
 

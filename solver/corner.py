@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from numbers import Integral
 
 import numpy as np
 
@@ -90,6 +91,10 @@ def grow_part(
     """
     require_count("strips", strips, 1, "Ask for one strip or more.")
     front, behind = mesh.front_vertices(side), mesh.previous_vertices(side)
+    if not (
+        isinstance(part, tuple) and len(part) == 2 and all(isinstance(i, Integral) for i in part)
+    ):
+        raise InvalidValue("part", part, "be two whole numbers", "Number the front's vertices.")
     first, last = part
     if mesh.closed or behind is None:
         what = "a closed patch" if mesh.closed else "a curve"
@@ -158,6 +163,7 @@ def grow_corner(
     corner. Creases that cannot match, arms that cannot fold, faces that cross those behind them,
     and lengths out of bounds in later strips end growth with a status.
     """
+    require_count("strips", strips, 1, "Ask for one strip or more.")
     height, width = _hole(mesh.turned(side))
     if not 1 <= strips <= min(height, width):
         raise InvalidValue(
@@ -172,6 +178,7 @@ def grow_corner(
         choice = choose(j)
         if isinstance(choice, Stop):
             return _growth(mesh, j, choice)
+        _require_strip(choice)
         row = _matched_row(mesh.vertices_coords, corner, choice, j)
         if isinstance(row, Stop):
             advice = f"Strip {j + 1} of {strips}: {row.advice} {_CURE}"
@@ -191,6 +198,7 @@ def grow_pentagon(mesh: QuadMesh, strip: CornerStrip, *, side: Side = Side.TOP) 
 
     Raises `InvalidValue` as `grow_corner` does for its first strip.
     """
+    _require_strip(strip)
     corner = _Corner.of(mesh, side)
     corner.require_room(mesh.vertices_coords)
     made = _corner_rays(mesh.vertices_coords, corner, strip)
@@ -259,6 +267,13 @@ class _Corner:
                 "be 2 pi with the sector that the corner leaves",
                 "Make the corner by `grow_part`.",
             )
+
+
+def _require_strip(choice: object) -> None:
+    if not isinstance(choice, CornerStrip):
+        raise InvalidValue(
+            "strip around a corner", repr(choice), "be a CornerStrip", "Its flap angles are fixed."
+        )
 
 
 def _hole(turned: IntArray) -> tuple[int, int]:

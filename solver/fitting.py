@@ -21,13 +21,20 @@ from scipy import ndimage
 from scipy.optimize import brentq
 
 from solver.arcs import contain
-from solver.errors import InvalidValue, require_count, require_positive, require_within
+from solver.errors import (
+    InvalidValue,
+    require_count,
+    require_finite,
+    require_number,
+    require_positive,
+    require_within,
+)
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh, Side, boundary_loops
 from solver.planarise import planarised
-from solver.targets import Target, ray_hit
-from solver.vectors import BoolArray, FloatArray, dot, norm, unit
+from solver.targets import Target, TurnedTarget, ray_hit
+from solver.vectors import BoolArray, FloatArray, IntArray, dot, norm, unit
 
 __all__ = ["fit_surface"]
 
@@ -40,15 +47,32 @@ _WORSE = 0.05
 # What is tried where it is not given: zigzags in steps of v, distances of rows in thicknesses.
 _ZIGZAGS = (3.0, 5.0, 8.0, 2.0, 12.0)
 _ROW_STEPS = (1.0, 1.4, 0.7, 2.0, 2.8, 4.0)
-# A sheet that passes the domain and covers this share of it is good enough to look no further:
-# what it misses lies at its sides, where a longer seed reaches.
+# Directions of growth, from u to v, radians.
+_TURNS = (0.0, np.pi / 2, np.pi / 4, -np.pi / 4)
+# A zigzag may take up this share of the columns, lest it be the sheet.
+_ZIGZAG_SHARE = 1 / 3
+# A sheet that passes the domain, covers this share of it, and lies beyond it with no more than
+# that share of its faces is good enough to look no further: what it misses lies at its sides, where
+# a longer seed reaches.
 _ENOUGH = 0.95
+_BEYOND = 0.3
+# Creases longer than this share of the domain's width along u are spikes, not a sheet.
+_LONGEST = 0.25
 # Sample points of the domain, along u and along v, by which coverage is counted.
 _SAMPLES = 100
 # Where points of a face are taken, between its corners, to see whether it reaches into the domain.
-_WITHIN = (0.0, 0.25, 0.5, 0.75, 1.0)
+_WITHIN = np.linspace(0.0, 1.0, 9)
+# Parts of an outline's edge that are taken as straight in the surface's parameters.
+_PARTS = 4
 # Columns added on either side, one number after another, where a trimmed sheet is too narrow.
 _EXTRAS = (1, 2, 4, 8, 16)
+
+
+_MOST_COLUMNS = 1000
+_CURE = (
+    "Where the length is nan the crease does not meet the other offset nearby. A smaller "
+    "thickness, more columns, another zigzag, row_step or turn may reach further."
+)
 
 
 @dataclass(frozen=True)
@@ -59,21 +83,33 @@ class _Setting:
     thickness: float
     zigzag: float
     row_step: float
+    turn: float
     extra: int = 0
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """A grown sheet, the places of its vertices in the order of its grid, and the coverage."""
+    """A grown sheet, the places of its vertices in its grid's order, and its share beyond."""
 
     growth: Growth
     places: FloatArray
+    beyond: float
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """Whether growth passed the domain, and which share of it is covered: more is better."""
+        """Whether growth passed the domain, and how well it is covered: more is better."""
+        return self.growth.status is Status.GROWN, self.covers - self.beyond / 4
+
+    @property
+    def covers(self) -> float:
+        """Share of the domain under the sheet."""
         assert self.growth.coverage is not None
-        return self.growth.status is Status.GROWN, self.growth.coverage
+        return self.growth.coverage
+
+    @property
+    def good(self) -> bool:
+        """Whether no other setting need be tried."""
+        return self.rank[0] and self.covers >= _ENOUGH and self.beyond <= _BEYOND
 
 
 def fit_surface(
@@ -83,6 +119,7 @@ def fit_surface(
     thickness: float = 1.0,
     zigzag: float | None = None,
     row_step: float | None = None,
+    turn: float | None = None,
     trim: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
@@ -95,51 +132,76 @@ def fit_surface(
     ----------
     columns : quads across the domain.
     thickness : distance of the two offsets.
-    zigzag, row_step : swing of the seed's rows along u, and their distance. Where one is not
-        given, the first that passes the domain is taken, or else the one that covers most of it.
-    trim : drop the faces that lie outside the domain altogether, having begun with a longer seed
-        where the sheet would miss a part at its sides.
+    zigzag, row_step : swing of the seed's rows along u, and their distance.
+    turn : direction of growth, from u towards v, radians. Where one of these three is not given,
+        the first choice that passes the domain is taken, or else the one that covers most of it.
+    trim : drop the faces that lie outside the domain, as 9 x 9 points in each tell, having begun
+        with a longer seed where the sheet would miss a part at its sides.
     progress : called with the number of strips grown and about how many are needed.
 
     Growth that cannot go on ends with a status; the mesh then covers part of the domain, and
-    `Growth.coverage` says which share. Raises `InvalidValue` for numbers out of bounds, and for a
-    seed that cannot be made.
+    `Growth.coverage` says which share; `Growth.chosen` what was chosen. Raises `InvalidValue` for
+    numbers out of bounds, and where no seed can be made.
     """
     require_count("columns", columns, 4, "A front needs vertices to follow a surface.")
+    if columns > _MOST_COLUMNS:
+        raise InvalidValue(
+            "columns", columns, f"be at most {_MOST_COLUMNS}", "More would take hours."
+        )
+    if turn is not None:
+        require_finite("turn", turn)
+    require_number("thickness", thickness)
     for name, value in (("thickness", thickness), ("zigzag", zigzag), ("row_step", row_step)):
         if value is not None:
             require_within(name, value, 0.0, 1000.0, "It is counted in steps of v.")
     best: _Fit | None = None
     refused: InvalidValue | None = None
-    for z, r in _tried(thickness, zigzag, row_step):
-        setting = _Setting(columns, thickness, z, r)
+    tries = 0
+    for z, r, t in _tried(columns, thickness, zigzag, row_step, turn):
+        setting, tries = _Setting(columns, thickness, z, r, t), tries + 1
         try:
             fit = _grown(target, setting, progress)
         except InvalidValue as error:
-            refused = error
+            refused = refused or error
             continue
         if best is None or fit.rank > best.rank:
             best, chosen = fit, setting
-        if fit.rank >= (True, _ENOUGH):
+        if fit.good:
             break
     if best is None:
         assert refused is not None  # one setting at least was tried
-        raise refused
+        if tries == 1:
+            raise refused
+        raise InvalidValue(
+            "surface",
+            f"one on which {tries} choices of zigzag, row_step and turn make no seed",
+            "be smooth and shallow enough for a sheet of this thickness",
+            f"Try a smaller thickness, more columns, or a part of it. The first said: {refused}",
+        )
     return _trimmed(target, chosen, best, progress) if trim else best.growth
 
 
 def _tried(
-    thickness: float, zigzag: float | None, row_step: float | None
-) -> Iterator[tuple[float, float]]:
-    """Zigzags and row steps to try, the mildest first."""
-    zigzags = _ZIGZAGS if zigzag is None else (zigzag,)
+    columns: int,
+    thickness: float,
+    zigzag: float | None,
+    row_step: float | None,
+    turn: float | None,
+) -> Iterator[tuple[float, float, float]]:
+    """Zigzags, row steps and turns to try, the mildest first."""
+    largest = max(_ZIGZAG_SHARE * columns, min(_ZIGZAGS))
+    zigzags = [z for z in _ZIGZAGS if z <= largest] if zigzag is None else [zigzag]
     row_steps = [thickness * share for share in _ROW_STEPS] if row_step is None else [row_step]
+    turns = _TURNS if turn is None else (turn,)
     pairs = product(range(len(zigzags)), range(len(row_steps)))
-    return ((zigzags[z], row_steps[r]) for z, r in sorted(pairs, key=lambda p: (sum(p), p)))
+    for z, r in sorted(pairs, key=lambda pair: (sum(pair), pair)):
+        for t in turns:
+            yield zigzags[z], row_steps[r], t
 
 
 def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], None] | None) -> _Fit:
     """A sheet grown both ways from a seed along u = 0."""
+    target = TurnedTarget(target, setting.turn) if setting.turn else target
     m, extra = setting.columns, setting.extra
     v = 2 / m * np.arange(-extra, m + extra + 1) - 1.0
     step, along_u = _steps(target, m)
@@ -158,10 +220,14 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
             "Try other ones, a smaller thickness, more columns, or turn the sheet.",
         )
     mesh, places = QuadMesh.from_rows(seed[0]), seed[1]
+    if not target.inside(places.reshape(-1, places.shape[2])).any():
+        raise InvalidValue(
+            "domain", "nowhere near the line u = 0", "lie around it", "Move it to the middle."
+        )
     expected = 2 + int(2 * along_u / (setting.row_step * step))
     strips, stops = 0, []
     for side, row, ahead in ((Side.TOP, 2, slice(None)), (Side.BOTTOM, 0, slice(None, None, -1))):
-        follow = _Follower(target, places[row][ahead], offsets[row])
+        follow = _Follower(target, places[row][ahead], offsets[row], _LONGEST * 2 * along_u)
 
         def tell(done: int, _: int, before: int = strips) -> None:
             if progress is not None:
@@ -175,10 +241,22 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
         if growth.status is not Status.COVERED:
             way = "up" if side is Side.TOP else "down"
             stops.append((growth.status, f"Along u, {way}wards: {growth.advice}"))
-    covers = _coverage(target, [_outline(places)])
-    status = stops[0][0] if stops else Status.GROWN
-    advice = " ".join(text for _, text in stops)
-    return _Fit(Growth(mesh, strips, status, advice, covers), places)
+    rim = _outline(target, _rim(mesh.vertices_coords[mesh.grid]), _rim(places))
+    covers = _coverage(target, [rim])
+    status, advice = Status.GROWN, ""
+    if stops and covers < 1.0:
+        status = stops[0][0]
+        advice = " ".join([*(text for _, text in stops), _CURE])
+    chosen = {
+        "zigzag": setting.zigzag,
+        "row_step": setting.row_step,
+        "turn_deg": float(np.degrees(setting.turn)),
+    }
+    uv = places[..., :2]
+    middles = (uv[:-1, :-1] + uv[1:, :-1] + uv[:-1, 1:] + uv[1:, 1:]) / 4
+    beyond = 1 - float(target.inside(target.places(middles.reshape(-1, 2))).mean())
+    growth = Growth(mesh, strips, status, advice, covers, chosen)
+    return _Fit(growth, places, beyond)
 
 
 def _steps(target: Target, columns: int) -> tuple[float, float]:
@@ -187,20 +265,28 @@ def _steps(target: Target, columns: int) -> tuple[float, float]:
     v = np.linspace(-1.0, 1.0, columns + 1)
     line = target.point(target.places(np.column_stack([0 * v, v])))
     step = float(norm(np.diff(line, axis=0)).mean())
+    if not np.isfinite(line).all():
+        raise InvalidValue(
+            "line u = 0",
+            "partly off the surface",
+            "run across it from v = -1 to v = 1",
+            "Turn the sheet, or take a part of the surface without notches there.",
+        )
     ahead, behind = (target.point(target.places(np.column_stack([u + 0 * v, v]))) for u in (h, -h))
     along_u = float(norm(ahead - behind).mean()) / (2 * h)
     for name, value in (("length of the line u = 0", step), ("width along u", along_u)):
-        require_positive(name, value, "The target must be a surface with area, and finite there.")
+        require_positive(name, value, "The target must be a surface with area there.")
     return step, along_u
 
 
 class _Follower:
     """Chooses strip after strip from one offset to the other, until the domain is passed."""
 
-    def __init__(self, target: Target, places: FloatArray, offset: float) -> None:
+    def __init__(self, target: Target, places: FloatArray, offset: float, longest: float) -> None:
         self.target = target
         self.places = places
         self.offset = offset
+        self.longest = longest
         self.rows: list[FloatArray] = []  # places of the rows grown
         self.found: dict[int, tuple[float, float]] = {}  # angle and cost by the strip's parity
 
@@ -223,7 +309,7 @@ class _Follower:
                 self.target, rays.vertices_coords, rays.directions, self.offset, self.places
             )
             self.rows.append(self.places)
-            return lengths
+            return np.where(lengths < self.longest, lengths, np.nan)
 
         return Strip(flap_angle, to_offset)
 
@@ -335,29 +421,47 @@ def _middles(arcs: FloatArray) -> FloatArray:
     return out
 
 
-def _outline(places: FloatArray) -> FloatArray:
-    """Parameters around a patch, once, shape (n, 2); places (R, C, d)."""
-    uv = places[:, :, :2]
-    return np.concatenate([uv[0], uv[1:, -1], uv[-1, -2::-1], uv[-2:0:-1, 0]])
+def _rim(grid: FloatArray) -> FloatArray:
+    """Once around a grid (R, C, d), shape (n, d)."""
+    return np.concatenate([grid[0], grid[1:, -1], grid[-1, -2::-1], grid[-2:0:-1, 0]])
+
+
+def _outline(target: Target, points: FloatArray, places: FloatArray) -> FloatArray:
+    """Parameters of the surface under a closed line in space, shape (n, 2).
+
+    points : the line's vertices, shape (k, 3); places : nearest to them, shape (k, d).
+    """
+    ends = np.roll(points, -1, axis=0), np.roll(places, -1, axis=0)
+    shares = np.arange(_PARTS)[:, None] / _PARTS
+    between = points[:, None] + shares * (ends[0] - points)[:, None]
+    guess = (places[:, None] + shares * (ends[1] - places)[:, None]).reshape(-1, places.shape[1])
+    uv = target.distance(between.reshape(-1, 3), guess)[2][:, :2]
+    return np.where(np.isfinite(uv), uv, guess[:, :2])
 
 
 def _coverage(target: Target, outlines: list[FloatArray]) -> float:
-    """Share of the domain within outlines (n, 2), counted on a grid of its parameters."""
+    """Share of the domain within outlines (n, 2), counted on a grid of its parameters.
+
+    What an outline goes around, however often, is under the sheet for certain.
+    """
     grid = (np.arange(_SAMPLES) + 0.5) * (2 / _SAMPLES) - 1.0
     uv = np.stack(np.meshgrid(grid, grid), axis=-1).reshape(-1, 2)
     inside = uv[target.inside(target.places(uv))]
-    return float(_enclosed(outlines, inside).mean()) if len(inside) else 0.0
+    return float((_windings(outlines, inside) != 0).mean()) if len(inside) else 0.0
 
 
-def _enclosed(outlines: list[FloatArray], points: FloatArray) -> BoolArray:
-    """Whether points (n, 2) lie within closed outlines (k, 2): an odd number of sides to pass."""
-    out = np.zeros(len(points), bool)
+def _windings(outlines: list[FloatArray], points: FloatArray) -> IntArray:
+    """How often closed outlines (k, 2) go around points (n, 2), counterclockwise."""
+    out = np.zeros(len(points), np.int64)
     x, y = points.T
     starts = np.concatenate(outlines)
     ends = np.concatenate([np.roll(outline, -1, axis=0) for outline in outlines])
     for (x0, y0), (x1, y1) in zip(starts.tolist(), ends.tolist(), strict=True):
-        spans = (y0 <= y) != (y1 <= y)
-        out ^= spans & ((x - x0) * (y1 - y0) < (y - y0) * (x1 - x0)) ^ (spans & (y1 < y0))
+        turn = (x1 - x0) * (y - y0) - (x - x0) * (y1 - y0)
+        if y0 < y1:
+            out += (y0 <= y) & (y < y1) & (turn > 0)
+        else:
+            out -= (y1 <= y) & (y < y0) & (turn < 0)
     return out
 
 
@@ -369,14 +473,16 @@ def _trimmed(
 ) -> Growth:
     """The sheet without faces outside the domain, grown wider first where a part is missing."""
     for extra in _EXTRAS:
-        if fit.rank >= (True, 1.0) or not fit.rank[0]:
+        if fit.covers >= 1.0 or fit.growth.status is not Status.GROWN:
             break
         try:
             wider = _grown(target, replace(setting, extra=extra), progress)
         except InvalidValue:
             break
-        if wider.rank > fit.rank:
+        if wider.growth.status is Status.GROWN and wider.covers > fit.covers:
             fit = wider
+    if setting.turn:
+        target = TurnedTarget(target, setting.turn)
     places = fit.places
     kept = np.zeros((len(places) - 1, places.shape[1] - 1), bool)
     for s, t in product(_WITHIN, _WITHIN):  # points all over each face
@@ -387,11 +493,14 @@ def _trimmed(
     if not kept.any():
         return fit.growth
     mesh = fit.growth.mesh.with_faces(_one_piece(kept))
-    uv = np.empty((len(mesh.vertices_coords), 2))
+    under = np.empty((len(mesh.vertices_coords), places.shape[2]))
     stands = mesh.grid >= 0
-    uv[mesh.grid[stands]] = places[stands][:, :2]
-    covers = _coverage(target, [uv[loop] for loop in boundary_loops(mesh.edges)])
-    return replace(fit.growth, mesh=mesh, coverage=covers)
+    under[mesh.grid[stands]] = places[stands]
+    outlines = [
+        _outline(target, mesh.vertices_coords[loop], under[loop])
+        for loop in boundary_loops(mesh.edges)
+    ]
+    return replace(fit.growth, mesh=mesh, coverage=_coverage(target, outlines))
 
 
 def _one_piece(kept: BoolArray) -> BoolArray:

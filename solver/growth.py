@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
@@ -36,7 +36,7 @@ _MOST_QUADS = 20_000_000
 # A loop's flap angle may miss itself by this much, radians.
 _CLOSED = 1e-9
 # Creases shorter than this share of the coordinates are lost in rounding.
-_RESOLVED = 1e-13
+_RESOLVED = 1e-9
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
 
 
@@ -77,6 +77,7 @@ class Growth:
     ----------
     strips : how many strips were grown; advice : empty where the status is GROWN.
     coverage : share of a target's domain that the sheet covers; None where there is no target.
+    chosen : what the design chose where it was left free, by name.
     """
 
     mesh: QuadMesh
@@ -84,6 +85,7 @@ class Growth:
     status: Status = Status.GROWN
     advice: str = ""
     coverage: float | None = None
+    chosen: Mapping[str, float] = field(default_factory=dict)
 
 
 def grow(

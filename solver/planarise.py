@@ -38,27 +38,37 @@ def planarised(
     inside = interior_vertices(quads, len(points))
     scale = float(norm(points[quads[:, 2]] - points[quads[:, 0]]).max())
     everywhere = np.arange(len(points))
-    for _ in range(_STEPS):
-        distance, gradient, flat = target.distance(points, flat)
-        parts = [
-            planarity_rows(points, quads, scale),
-            sector_rows(points, quads, inside),
-            ((distance - level) / scale, (everywhere, everywhere, gradient / scale)),
-        ]
-        miss = np.concatenate([part[0] for part in parts])
-        jacobian = assembled([(len(part[0]), *part[1]) for part in parts], len(points))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", MatrixRankWarning)  # the step is then NaN
-            step = jacobian.T @ spsolve((jacobian @ jacobian.T).tocsc(), -miss)
-        if not np.abs(step).max() < scale * width:
-            return None
-        points = points + step.reshape(-1, 3)
-        if np.abs(step).max() < 1e-15 * scale:
-            break
+    with np.errstate(all="ignore"):  # what fails is NaN and ends the search
+        for _ in range(_STEPS):
+            distance, gradient, flat = target.distance(points, flat)
+            parts = [
+                planarity_rows(points, quads, scale),
+                sector_rows(points, quads, inside),
+                ((distance - level) / scale, (everywhere, everywhere, gradient / scale)),
+            ]
+            miss = np.concatenate([part[0] for part in parts])
+            jacobian = assembled([(len(part[0]), *part[1]) for part in parts], len(points))
+            step = _shortest_step(jacobian, miss)
+            if not np.abs(step).max() < scale * width:
+                return None
+            points = points + step.reshape(-1, 3)
+            if np.abs(step).max() < 1e-15 * scale:
+                break
     if not np.abs(miss).max() < 1e-9:
         return None
     flat = target.distance(points, flat)[2]
     return points.reshape(rows, width, 3), flat.reshape(rows, width, -1)
+
+
+def _shortest_step(jacobian: csr_array, miss: FloatArray) -> FloatArray:
+    """The least change that makes up for `miss`; NaN where there is none."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", MatrixRankWarning)
+        try:
+            out: FloatArray = jacobian.T @ spsolve((jacobian @ jacobian.T).tocsc(), -miss)
+        except RuntimeError:  # the factorisation gave up on the numbers
+            return np.full(jacobian.shape[1], np.nan)
+    return out
 
 
 def planarity_rows(

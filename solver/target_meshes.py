@@ -80,7 +80,7 @@ class MeshSurface:
             raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
         triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
         if not len(triangles):
-            cure = "It holds points or lines at most: export a mesh."
+            cure = "It is empty, cut off, or holds points and lines alone: export the mesh again."
             raise InvalidValue("path", str(path), "hold at least one face", cure)
         quads = None if ending == "stl" else _quads_again(triangles)
         faces = triangles if quads is None else quads

@@ -8,7 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from solver.vectors import BoolArray, FloatArray, cross, dot, unit
+from solver.errors import InvalidValue
+from solver.vectors import BoolArray, FloatArray, cross, dot, numbers, unit
 
 __all__ = ["ParametricSurface", "Target", "TurnedTarget", "explicit_surface", "ray_hit"]
 
@@ -52,6 +53,19 @@ class Target(Protocol):
 
     def inside(self, places: FloatArray) -> BoolArray:
         """Whether places belong to the domain, not to the surface's continuation, shape (n,)."""
+
+
+def _rows(name: str, value: object, count: int) -> FloatArray:
+    """What a function of the user's returned, as (count, 3); raises `InvalidValue` otherwise."""
+    array = numbers(name, value)
+    if array.shape != (count, 3):
+        raise InvalidValue(
+            name,
+            f"array of shape {array.shape}",
+            f"have shape ({count}, 3)",
+            "Return x, y, z of every point, for arrays u and v.",
+        )
+    return array
 
 
 def _largest(steps: FloatArray) -> float:
@@ -115,17 +129,18 @@ class ParametricSurface:
 
     def point(self, places: FloatArray) -> FloatArray:
         """Points of the surface, shape (n, 3)."""
-        return self.position(places[:, 0], places[:, 1])
+        return _rows("position", self.position(places[:, 0], places[:, 1]), len(places))
 
     def tangents(self, places: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Derivatives X_u and X_v, each of shape (n, 3)."""
         u, v = places.T
         if self.derivatives is not None:
-            return self.derivatives(u, v)
+            along_u, along_v = self.derivatives(u, v)
+            return _rows("X_u", along_u, len(u)), _rows("X_v", along_v, len(u))
         h = 6e-6  # the cube root of the rounding unit: best for central differences
-        along_u = (self.position(u + h, v) - self.position(u - h, v)) / (2 * h)
-        along_v = (self.position(u, v + h) - self.position(u, v - h)) / (2 * h)
-        return along_u, along_v
+        steps = [(u + h, v), (u - h, v), (u, v + h), (u, v - h)]
+        right, left, up, down = (_rows("position", self.position(*at), len(u)) for at in steps)
+        return (right - left) / (2 * h), (up - down) / (2 * h)
 
     def normal(self, places: FloatArray) -> FloatArray:
         """Unit normals X_u x X_v, shape (n, 3)."""
@@ -136,6 +151,7 @@ class ParametricSurface:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Signed distances along the normals (n,), normals (n, 3) and parameters (n, 2).
 
+        NaN where no nearest point is found: beyond the centres of curvature.
         Nearest points by Gauss-Newton, which converges linearly at the rate distance x curvature:
         fast for the thin sheets of origami.
         """
@@ -153,7 +169,9 @@ class ParametricSurface:
                 break
             before = now
         normal = unit(cross(along_u, along_v))
-        return dot(points - self.point(uv), normal), normal, uv
+        # beyond the surface's centres of curvature the steps go round in circles
+        lost = (np.abs(step) > 1e-6 * (1 + np.abs(uv))).any(axis=1)
+        return np.where(lost, np.nan, dot(points - self.point(uv), normal)), normal, uv
 
     def inside(self, places: FloatArray) -> BoolArray:
         """Whether |u| and |v| are at most 1, and `within` holds, shape (n,)."""
@@ -226,6 +244,6 @@ def explicit_surface(
 
     def position(u: FloatArray, v: FloatArray) -> FloatArray:
         x, y = half_width_x * u, half_width_y * v
-        return np.column_stack([x, y, height(x, y)])
+        return np.column_stack([x, y, np.broadcast_to(height(x, y), x.shape)])
 
     return ParametricSurface(position)

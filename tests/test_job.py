@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from helpers import TEMPLATE_NAMES, TEMPLATES, made_template
 
-from fab.errors import InvalidJob, Severity
+from fab.errors import InvalidFile, InvalidJob, Severity
 from fab.job import Job, load_job, parse_job
 from fab.make import Format, make, write
 from solver import DESIGNS, InvalidValue
@@ -356,3 +356,44 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path):
 def test_a_job_can_be_described_by_a_schema():
     schema = Job.model_json_schema()
     assert {"design", "sheet", "panels", "hinges", "perforation"} <= set(schema["properties"])
+
+
+def surface_job(**design):
+    return {**SMALL, "design": {"kind": "surface_fit", "columns": 12, **design}}
+
+
+def test_a_job_may_follow_a_mesh_beside_it(tmp_path):
+    x, y = np.meshgrid(np.linspace(-50, 50, 60), np.linspace(-40, 40, 60))
+    corners = np.arange(3600).reshape(60, 60)
+    quads = [corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]]
+    points = np.column_stack([x.ravel(), y.ravel(), 0.002 * (x**2 + y**2).ravel()])
+    lines = [f"v {a:.6f} {b:.6f} {c:.6f}" for a, b, c in points]
+    lines += ["f " + " ".join(map(str, face)) for face in np.stack(quads, -1).reshape(-1, 4) + 1]
+    (tmp_path / "my bowl.obj").write_text("\n".join(lines))
+    job = parse_job(surface_job(surface="my bowl.obj"), folder=tmp_path)
+    made = make(job, [Format.FOLD])
+    assert made.within_tolerance, made.findings
+    assert made.report["growth"]["coverage"] > 0.95
+    assert set(made.report["growth"]["chosen"]) == {"zigzag", "row_step", "turn_deg"}
+    wide = made.report["bounding_box_mm"]["folded"]
+    assert made.report["job"]["design"]["surface"] == "my bowl.obj"
+    assert max(wide) > 30.0
+
+
+@pytest.mark.parametrize(
+    ("design", "text"),
+    [
+        ({"surface": "wave"}, "wave.* must be one of .* or a file .* Did you mean waves"),
+        ({"surface": "nothing.stl"}, "no such file|name a file"),
+        ({"surface": "waves", "face": 2}, "only STEP files"),
+        ({"surface": "waves", "up": [0.0, 0.0, 1.0]}, "only meshes"),
+    ],
+)
+def test_surfaces_that_cannot_be_followed_are_named(tmp_path, design, text):
+    with pytest.raises((InvalidJob, InvalidFile), match=text):
+        make(parse_job(surface_job(**design), folder=tmp_path), [Format.FOLD])
+
+
+def test_a_direction_has_three_numbers():
+    with pytest.raises(InvalidJob, match=r"design\.up"):
+        parse_job(surface_job(surface="ball.stl", up=[0.0, 1.0]))

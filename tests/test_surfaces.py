@@ -24,7 +24,7 @@ from solver import (
     ray_hit,
 )
 from solver.designs.surface_fit import SURFACES
-from solver.fitting import _enclosed, _Mirror, _one_piece
+from solver.fitting import _Mirror, _one_piece, _windings
 from solver.mesh import boundary_loops
 from solver.planarise import planarised
 
@@ -149,16 +149,22 @@ def test_the_zigzag_is_chosen_where_it_is_not_given_and_a_given_one_is_kept():
     assert free.status is Status.GROWN
     kept = SurfaceFit(surface="hypar", columns=30, zigzag=5.0, row_step=1.4).grow()
     assert np.array_equal(free.mesh.vertices_coords, kept.mesh.vertices_coords)
-    assert SurfaceFit(surface="hypar", zigzag=3.0, row_step=1.0).grow().status is not Status.GROWN
+    alone = SurfaceFit(surface="hypar", zigzag=3.0, row_step=1.0, turn=0.0).grow()
+    assert alone.status is not Status.GROWN
+    assert free.chosen == kept.chosen
+    assert (free.chosen["zigzag"], free.chosen["row_step"]) == (5.0, 1.4)
 
 
 def test_rows_across_asymptotic_directions_die_and_turned_ones_grow():
     saddle = explicit_surface(lambda x, y: 0.8 * x * y)
-    straight = fit_surface(saddle, 30, zigzag=5.0, row_step=1.4)
+    straight = fit_surface(saddle, 30, zigzag=5.0, row_step=1.4, turn=0.0)
     assert straight.status is not Status.GROWN
     assert straight.coverage < 0.7
-    turned = fit_surface(TurnedTarget(saddle, np.pi / 4), 30, zigzag=5.0, row_step=1.4)
+    turned = fit_surface(TurnedTarget(saddle, np.pi / 4), 30, zigzag=5.0, row_step=1.4, turn=0.0)
     assert turned.coverage > 0.95
+    chosen = fit_surface(saddle, 30, zigzag=5.0, row_step=1.4)
+    assert chosen.chosen["turn_deg"] in (45.0, -45.0)
+    assert chosen.coverage > 0.95
 
 
 @pytest.mark.parametrize("name", ["landscape", "helicoid", "hourglass"])
@@ -203,7 +209,11 @@ def test_points_within_an_outline(seed):
     points = rng.uniform(-1, 1, (100, 2))
     polygon = shapely.Polygon(outline).symmetric_difference(shapely.Polygon(hole))
     expected = shapely.contains_xy(polygon, *points.T)
-    assert (_enclosed([outline, hole], points) == expected).all()
+    assert ((_windings([outline, hole[::-1]], points) != 0) == expected).all()
+    twice = np.concatenate([outline, outline])
+    covered = shapely.contains_xy(shapely.Polygon(outline), *points.T)
+    assert (_windings([twice], points) == 2 * covered).all()
+    assert (_windings([twice[::-1]], points) == -2 * covered).all()
 
 
 @settings(max_examples=40)
@@ -228,7 +238,7 @@ def test_rows_that_cannot_be_planarised_are_nothing():
 
 
 def test_a_fit_that_dies_says_where_and_keeps_what_it_has():
-    growth = SurfaceFit(surface="hypar", zigzag=3.0, row_step=0.7).grow()
+    growth = SurfaceFit(surface="hypar", zigzag=3.0, row_step=0.7, turn=0.0).grow()
     assert growth.status is not Status.GROWN
     assert "Along u, upwards: " in growth.advice
     assert "Along u, downwards: " in growth.advice
@@ -246,6 +256,28 @@ def test_a_surface_of_ones_own_is_followed():
     assert (np.ptp(mesh.vertices_coords, axis=0)[:2] > 4.0).all()
     assert developability(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-12
     assert develop(mesh).isometry_max_rel < 1e-11
+
+
+def test_constant_heights_and_sides_of_the_domain():
+    plain = explicit_surface(lambda x, y: 0.0)
+    growth = fit_surface(plain, 8)
+    assert growth.coverage == 1.0
+    assert fit_surface(plain, 8, trim=True).coverage == 1.0
+    aside = ParametricSurface(plain.position, None, lambda u, v: u > 5)
+    with pytest.raises(InvalidValue, match="domain"):
+        fit_surface(aside, 8)
+
+
+def test_creases_that_shoot_far_past_the_surface_are_no_sheet():
+    mesh = SurfaceFit(columns=12, trim=True).grow().mesh
+    assert np.abs(mesh.vertices_coords[:, :2]).max() < 2.0
+
+
+def test_points_beyond_the_centres_of_curvature_have_no_nearest_point():
+    points = np.array([[0.5, 0, 0], [-2.0, 0.3, 0.1]])  # of the sphere, from the far side
+    distance, _, _ = SPHERE.distance(points, np.array([[0.1, 0.1], [0.1, 0.1]]))
+    assert distance[0] == pytest.approx(-0.5, abs=1e-9)
+    assert np.isnan(distance[1])
 
 
 def test_progress_is_told_and_never_runs_over():
@@ -266,8 +298,15 @@ def test_progress_is_told_and_never_runs_over():
         (SurfaceFit(zigzag=np.nan), "zigzag"),
         (SurfaceFit(row_step=-1.0), "row_step"),
         (SurfaceFit(turn=np.inf), "turn"),
-        (SurfaceFit(zigzag=100.0, row_step=90.0), "zigzag, row_step"),
-        (SurfaceFit(surface=explicit_surface(lambda x, y: np.nan * x)), "length of the line"),
+        (SurfaceFit(zigzag=100.0, row_step=90.0, turn=0.0), "zigzag, row_step"),
+        (SurfaceFit(zigzag=100.0, row_step=90.0), "surface .* 4 choices of zigzag"),
+        (SurfaceFit(columns=5000), "columns"),
+        (SurfaceFit(thickness=None), "thickness"),
+        (SurfaceFit(thickness=1e-20), "surface|seed"),
+        (SurfaceFit(surface=3), "surface"),
+        (SurfaceFit(surface=ParametricSurface(lambda u, v: None)), "position"),
+        (SurfaceFit(surface=ParametricSurface(lambda u, v: np.zeros((3, 2)))), "position"),
+        (SurfaceFit(surface=explicit_surface(lambda x, y: np.nan * x)), "line u = 0"),
         (SurfaceFit(surface=ParametricSurface(lambda u, v: np.zeros((len(u), 3)))), "length of"),
     ],
 )

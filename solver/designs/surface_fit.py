@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solver.errors import InvalidValue, require_finite
+from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.growth import Growth
-from solver.targets import ParametricSurface, Target, TurnedTarget
+from solver.targets import ParametricSurface, Target
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["SURFACES", "SurfaceFit"]
@@ -94,7 +94,7 @@ class SurfaceFit:
     thickness : distance of the two offset surfaces, in steps of v.
     zigzag : swing of the seed's rows along u, in steps of v; None: chosen.
     row_step : distance of the seed's rows along u, in steps of v; None: chosen.
-    turn : direction of growth, from the surface's u towards its v, radians.
+    turn : direction of growth, from the surface's u towards its v, radians; None: chosen.
     trim : whether faces outside the surface's domain are dropped.
     """
 
@@ -103,7 +103,7 @@ class SurfaceFit:
     thickness: float = 1.0
     zigzag: float | None = None
     row_step: float | None = None
-    turn: float = field(default=0.0, metadata={"angle": True})
+    turn: float | None = field(default=None, metadata={"angle": True})
     trim: bool = False
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
@@ -112,15 +112,24 @@ class SurfaceFit:
         if isinstance(target, str):
             if target not in SURFACES:
                 names = ", ".join(SURFACES)
-                raise InvalidValue("surface", target, f"be one of {names}", "waves is figure 4A.")
+                raise InvalidValue(
+                    "surface",
+                    target,
+                    f"be one of {names}",
+                    "A job can also name a file (STL, OBJ, PLY or STEP) there.",
+                )
             target = SURFACES[target]
-        require_finite("turn", self.turn)
+        elif not hasattr(target, "distance"):
+            raise InvalidValue(
+                "surface", repr(target), "be a name or a Target", "See `solver.targets`."
+            )
         return fit_surface(
-            TurnedTarget(target, self.turn) if self.turn else target,
+            target,
             self.columns,
             thickness=self.thickness,
             zigzag=self.zigzag,
             row_step=self.row_step,
+            turn=self.turn,
             trim=self.trim,
             progress=progress,
         )
