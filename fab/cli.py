@@ -95,9 +95,18 @@ def main() -> None:
 
 @main.command()
 @click.argument("job", type=click.Path(path_type=Path))
-@click.option("--out", default=".", type=click.Path(path_type=Path), help="Folder to write into.")
 @click.option(
-    "--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change a key of the job."
+    "--out",
+    default=".",
+    type=click.Path(path_type=Path),
+    help="Folder to write into (default: here).",
+)
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Change a key of the job; may be repeated.",
 )
 @click.option(
     "--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: the job's)."
@@ -128,6 +137,8 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
             f"developability {report['developability_max_rad']:.1e} rad, "
             f"isometry {report['isometry_max_rel']:.1e}"
         )
+        if report["growth"]["coverage"] is not None:
+            _say(f"{report['growth']['coverage']:.1%} of the surface lies under the sheet")
         for kind in formats:
             left = out / f"{loaded.name}.{kind}"
             if left.name not in made.files and left.exists():
@@ -140,9 +151,10 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
 def templates() -> None:
     """List the shipped jobs, one line each."""
     with _answers():
+        width = max(len(path.stem) for path in _template_files())
         for path in _template_files():
             description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            _say(f"{path.stem:<16} {description}")
+            _say(f"{path.stem:<{width}}  {description}")
 
 
 @main.command()

@@ -57,7 +57,7 @@ _ZIGZAG_SHARE = 1 / 3
 _ENOUGH = 0.95
 _BEYOND = 0.3
 # Creases longer than this share of the domain's width along u are spikes, not a sheet.
-_LONGEST = 0.25
+_LONGEST = 0.4
 # Sample points of the domain, along u and along v, by which coverage is counted.
 _SAMPLES = 100
 # Where points of a face are taken, between its corners, to see whether it reaches into the domain.

@@ -193,5 +193,7 @@ def test_the_job_of_the_readme_is_a_job():
 
     from fab.job import parse_job
 
-    (block,) = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert parse_job(tomllib.loads(block)).name == "miura"
+    job, surface = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert parse_job(tomllib.loads(job)).name == "miura"
+    whole = {**tomllib.loads(job), **tomllib.loads(surface)}
+    assert parse_job(whole).design.model_dump()["surface"] == "dome.stl"
