@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from fab.crease import crease_pattern
 from fab.development import develop
 from fab.paths import Operation
-from fab.perforation import DashStyle, PerforationSettings, dashes, perforate
+from fab.perforation import PerforationSettings, perforate
+from fab.styles import DashStyle, cuts_along
 from solver import Miura
 
 sizes = st.floats(0.05, 20.0)
@@ -18,7 +19,8 @@ sizes = st.floats(0.05, 20.0)
 def test_dashes_of_a_crease(length, cut, gap, margin, turn):
     direction = np.array([np.cos(turn), np.sin(turn)])
     ends = np.array([[[3.0, -2.0], [3.0, -2.0] + length * direction]])
-    segments, owner = dashes(ends, DashStyle(cut_mm=cut, gap_mm=gap), margin)
+    cuts_ = cuts_along(ends, DashStyle(cut_mm=cut, gap_mm=gap), margin)
+    segments, owner = cuts_.segments, cuts_.owner
     span = np.linalg.norm(ends[0, 1] - ends[0, 0])
     if span - 2 * margin <= 0.0100001:
         assert len(segments) == 0 or span - 2 * margin > 0.01
@@ -48,10 +50,10 @@ def test_dashes_of_many_creases_are_those_of_each():
     random = np.random.default_rng(0)
     ends = random.uniform(0, 50, (40, 2, 2))
     style = DashStyle(cut_mm=2.0, gap_mm=0.7)
-    segments, owner = dashes(ends, style, 0.4)
+    cuts = cuts_along(ends, style, 0.4)
     for i in range(40):
-        alone, _ = dashes(ends[i : i + 1], style, 0.4)
-        assert segments[owner == i] == pytest.approx(alone, abs=1e-12)
+        alone = cuts_along(ends[i : i + 1], style, 0.4)
+        assert cuts.segments[cuts.owner == i] == pytest.approx(alone.segments, abs=1e-12)
 
 
 def test_a_pattern_is_cut_by_letter_and_its_outline_is_closed_once():
@@ -60,7 +62,11 @@ def test_a_pattern_is_cut_by_letter_and_its_outline_is_closed_once():
     paths, findings = perforate(pattern, PerforationSettings())
     assert findings == []
     mountain, valley, cut = paths.layers
-    assert [layer.operation for layer in paths.layers] == list(Operation)
+    assert [layer.operation for layer in paths.layers] == [
+        Operation.MOUNTAIN,
+        Operation.VALLEY,
+        Operation.CUT,
+    ]
     assert len(cut.segments) == 0
     (outline,) = cut.outlines
     assert len(outline) == 14
