@@ -101,7 +101,8 @@ def compensated(
                 "cut. Enlarge the sheet, or take a finer beam.",
             )
         )
-    findings += _meeting(rings, kerf_mm)
+    if rings:
+        findings += _meeting(rings, kerf_mm)
     return tuple(rings), findings
 
 

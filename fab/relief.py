@@ -124,7 +124,7 @@ def _circle(radius: float) -> FloatArray:
     """Directions of the corners of a polygon within `_CHORD_MM` of its circle."""
     half = np.arccos(max(1 - _CHORD_MM / radius, 0.0))
     count = max(16, int(np.ceil(np.pi / half)))
-    out: FloatArray = np.arange(count) * (2 * np.pi / count)
+    out: FloatArray = np.linspace(0, 2 * np.pi, count, endpoint=False)
     return out
 
 

@@ -231,7 +231,7 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
             scale = room / np.where(repeats > 0, repeats * period + first, np.maximum(first, room))
     has = (room > _SHORTEST_CUT_MM) & (not isinstance(style, NoStyle))
     many = has & (repeats > 0)
-    heights = np.zeros(1)
+    heights: FloatArray = np.zeros(1)
     if isinstance(style, LatticeStyle):
         if style.pitch_mm <= kerf_mm:
             raise InvalidValue(
@@ -240,7 +240,8 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
                 f"be greater than kerf_mm = {kerf_mm:g}",
                 "Set the rows of the lattice further apart.",
             )
-        heights = style.pitch_mm * (np.arange(style.rows) - (style.rows - 1) / 2)
+        side = style.width_mm / 2
+        heights = np.linspace(-side, side, style.rows)
     whole = np.where(has, repeats * len(marks) + 1, 0)
     # a line with room for one cut alone has it in the first row, moved onto the line
     shifted, beside = np.where(many, repeats, 0), np.where(many, whole, 0)
