@@ -133,7 +133,10 @@ def cut_layers(
     width = np.array([s.width_mm + kerf_mm if isinstance(s, LatticeStyle) else 0.0 for s in kinds])
     trim = holes.radii_mm[pattern.edges_vertices]
     trim = np.maximum(trim, _lattice_starts(sectors, walls, width[kind] / 2)) + settings.margin_mm
-    meeting = _meeting_lattices(pattern, cut | walls, walls, trim, width[kind] / 2, holes)
+    trimmed = np.where(walls[:, None], 0.0, trim)
+    meeting = _meeting_lattices(
+        pattern, cut | walls, trimmed, width[kind] / 2, settings.margin_mm, holes
+    )
     findings += _meeting_findings(meeting)
     layers = [Layer(Operation.MOUNTAIN), Layer(Operation.VALLEY)]
     drawn = np.zeros(len(kind), bool)
@@ -230,19 +233,19 @@ def _lattice_starts(sectors: Sectors, walls: BoolArray, half_mm: FloatArray) -> 
 def _meeting_lattices(
     pattern: CreasePattern,
     lines: BoolArray,
-    walls: BoolArray,
     trim: FloatArray,
     half_mm: FloatArray,
+    margin_mm: float,
     holes: ReliefHoles,
 ) -> IntArray:
-    """The creases whose lattice meets another line, hole or lattice."""
+    """Creases whose lattice meets another line, hole or lattice, or the margin of a vertex."""
     if not half_mm.any():
         return np.empty(0, np.int64)
     edges = np.flatnonzero(lines)
     ends = pattern.vertices_coords[pattern.edges_vertices[edges]]
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(span[:, 0], span[:, 1])
-    shortened = np.where(walls[edges, None], 0.0, trim[edges])
+    shortened = trim[edges]
     room = length - shortened.sum(axis=1)
     edges, ends, span, length = (a[room > 0] for a in (edges, ends, span, length))
     shortened = shortened[room > 0]
@@ -258,7 +261,11 @@ def _meeting_lattices(
     shapes[wide] = bands
     rings = [shapely.LinearRing(ring) for ring in holes.rings]
     band, other = shapely.STRtree([*shapes, *rings]).query(bands, predicate="intersects")
-    met: IntArray = np.unique(edges[wide[band[wide[band] != other]]])
+    foreign = band[wide[band] != other]
+    points = shapely.points(pattern.vertices_coords[np.unique(pattern.edges_vertices)])
+    within = margin_mm * (1 - 1e-9)  # a band may begin at the margin of its own vertex
+    near, _ = shapely.STRtree(points).query(bands, predicate="dwithin", distance=within)
+    met: IntArray = np.unique(edges[wide[np.concatenate([foreign, near])]])
     return met
 
 

@@ -55,13 +55,16 @@ def grid(columns: int, rows: int, size: float, without=(), cuts=()) -> CreasePat
 
 
 def triangles(seed: int, count: int = 30, size: float = 200.0) -> CreasePattern:
-    """Random points, their Delaunay triangles, random letters and fold angles."""
+    """Delaunay triangles of random points, without needles, random letters and fold angles."""
     random = np.random.default_rng(seed)
     coords = random.uniform(0, size, (count, 2))
     faces = Delaunay(coords).simplices
     arm = coords[faces[:, 1:]] - coords[faces[:, :1]]
     area = arm[:, 0, 0] * arm[:, 1, 1] - arm[:, 0, 1] * arm[:, 1, 0]
-    faces = np.where(area[:, None] > 0, faces, faces[:, ::-1]).tolist()
+    faces = np.where(area[:, None] > 0, faces, faces[:, ::-1])
+    sides = coords[faces] - coords[np.roll(faces, 1, axis=1)]
+    height = np.abs(area) / np.hypot(sides[..., 0], sides[..., 1]).max(axis=1)
+    faces = faces[height > size / 50].tolist()
     edges = len(pattern_of(coords, faces).edges_vertices)
     letters = random.choice(["M", "V", "F", "U", "C"], edges, p=[0.4, 0.4, 0.08, 0.08, 0.04])
     return pattern_of(coords, faces, letters, angle=random.uniform(0, 180, edges))
