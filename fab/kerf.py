@@ -39,34 +39,32 @@ def compensated(
     require_kerf(kerf_mm)
     if kerf_mm == 0 or not outlines:
         return tuple(outlines), []
-    sizes = np.cumsum([0, *(len(outline) for outline in outlines)])
-    areas = ring_areas(np.concatenate(outlines), sizes)
-    shapes = np.array([shapely.Polygon(outline) for outline in outlines])
-    plain = shapely.is_valid(shapes)
-    moved = shapely.buffer(
-        shapes,
-        np.where(areas > 0, kerf_mm / 2, -kerf_mm / 2),
-        join_style="mitre",
-        mitre_limit=_MITRE_LIMIT,
+    sizes = [len(outline) for outline in outlines]
+    corners = np.concatenate(outlines)
+    outer = ring_areas(corners, np.cumsum([0, *sizes])) > 0
+    shapes = shapely.polygons(
+        shapely.linearrings(corners, indices=np.repeat(np.arange(len(outlines)), sizes))
     )
-    rings: list[FloatArray] = []
-    crossing, vanished, closed = [], [], []
-    for number, outline in enumerate(outlines):
-        outer = bool(areas[number] > 0)
-        if not plain[number]:
-            crossing.append(number)
-            rings.append(outline)
-            continue
-        parts = shapely.get_parts(moved[number])
-        parts = parts[~shapely.is_empty(parts)]
-        holes = sum(len(part.interiors) for part in parts)
-        if not len(parts):
-            vanished.append(number)
-        elif len(parts) > 1 or holes:
-            closed.append(number)
-        for part in parts:
-            rings.append(_wound(part.exterior, outer))
-            rings.extend(_wound(hole, not outer) for hole in part.interiors)
+    plain = shapely.is_valid(shapes)
+    distance = np.where(outer, kerf_mm / 2, -kerf_mm / 2)
+    moved = shapely.buffer(shapes, distance, join_style="mitre", mitre_limit=_MITRE_LIMIT)
+    moved[~plain] = shapes[~plain]
+    parts, of_part = shapely.get_parts(moved, return_index=True)
+    full = ~shapely.is_empty(parts)
+    lines, of_line = shapely.get_rings(parts[full], return_index=True)
+    number = of_part[full][of_line]
+    exterior = np.diff(of_line, prepend=-1) > 0
+    turned = shapely.is_ccw(lines) != (outer[number] == exterior)
+    points, of_point = shapely.get_coordinates(lines, return_index=True)
+    closed_rings = np.split(points, np.flatnonzero(np.diff(of_point)) + 1) if len(lines) else []
+    rings = []
+    for ring, of, back in zip(closed_rings, number.tolist(), turned.tolist(), strict=True):
+        whole = ring[:-1][::-1] if back else ring[:-1]
+        rings.append(whole if plain[of] else outlines[of])
+    count = np.bincount(number, minlength=len(outlines))
+    crossing = np.flatnonzero(~plain).tolist()
+    vanished = np.flatnonzero(plain & (count == 0)).tolist()
+    closed = np.flatnonzero(plain & (count > 1)).tolist()
     findings = []
     if crossing:
         findings.append(
@@ -101,14 +99,7 @@ def compensated(
                 "cut. Enlarge the sheet, or take a finer beam.",
             )
         )
-    if rings:
-        findings += _meeting(rings, kerf_mm)
-    return tuple(rings), findings
-
-
-def _wound(ring: shapely.LinearRing, counterclockwise: bool) -> FloatArray:
-    points: FloatArray = shapely.get_coordinates(ring)[:-1]
-    return points if ring.is_ccw == counterclockwise else points[::-1]
+    return tuple(rings), findings + _meeting(lines, kerf_mm)
 
 
 def _finding(
@@ -127,9 +118,10 @@ def _finding(
     )
 
 
-def _meeting(rings: list[FloatArray], kerf_mm: float) -> list[Finding]:
+def _meeting(lines: Sequence[shapely.LinearRing], kerf_mm: float) -> list[Finding]:
     """A finding where moved rings cross each other."""
-    lines = np.array([shapely.LinearRing(ring) for ring in rings])
+    if not len(lines):
+        return []
     one, two = shapely.STRtree(lines).query(lines, predicate="intersects")
     met = np.flatnonzero(one < two)
     if not len(met):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -112,19 +114,25 @@ def relief_holes(
     for vertex, begin, count in zip(vertices[kept], first[kept], degree[kept], strict=True):
         r = radii[vertex]
         if settings.shape == "round":
-            turn = _circle(float(r))
+            around = _clockwise_circle(_corners_of_circle(r))
         else:
-            turn = _cornered(sectors.directions[begin : begin + count])
-        around = np.column_stack([np.cos(turn), np.sin(turn)])
-        rings.append(pattern.vertices_coords[vertex] + r * around[::-1])
+            turn = _cornered(sectors.directions[begin : begin + count])[::-1]
+            around = np.column_stack([np.cos(turn), np.sin(turn)])
+        rings.append(pattern.vertices_coords[vertex] + r * around)
     return ReliefHoles(radii, tuple(rings)), findings
 
 
-def _circle(radius: float) -> FloatArray:
-    """Directions of the corners of a polygon within `_CHORD_MM` of its circle."""
-    half = np.arccos(max(1 - _CHORD_MM / radius, 0.0))
-    count = max(16, int(np.ceil(np.pi / half)))
-    out: FloatArray = np.linspace(0, 2 * np.pi, count, endpoint=False)
+def _corners_of_circle(radius: float) -> int:
+    """How many corners keep a polygon within `_CHORD_MM` of its circle."""
+    half = math.acos(max(1 - _CHORD_MM / radius, 0.0))
+    return max(16, math.ceil(math.pi / half))
+
+
+@cache
+def _clockwise_circle(corners: int) -> FloatArray:
+    """Corners of a regular polygon in the unit circle, shape (corners, 2)."""
+    turn = np.linspace(0, -2 * np.pi, corners, endpoint=False)
+    out: FloatArray = np.column_stack([np.cos(turn), np.sin(turn)])
     return out
 
 
