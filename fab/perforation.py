@@ -14,7 +14,7 @@ from fab.kerf import compensated
 from fab.outlines import inner_cuts, outlines_of
 from fab.paths import CutPaths, Layer, Operation, joined
 from fab.relief import ReliefHoles, ReliefSettings, relief_holes
-from fab.sectors import Sectors, sectors_of
+from fab.sectors import sectors_of
 from fab.settings import Settings
 from fab.styles import (
     CreaseStyle,
@@ -123,20 +123,19 @@ def cut_layers(
     """
     require_kerf(kerf_mm)
     kinds, kind = _styles(pattern, settings)
-    cut = np.array([not isinstance(style, EngraveStyle | NoStyle) for style in kinds])[kind]
     walls = (pattern.edges_faces[:, 1] < 0) | inner_cuts(pattern)
-    sectors = sectors_of(pattern, cut | walls)
+    lines = np.array([not isinstance(style, NoStyle) for style in kinds])[kind] | walls
+    marks = np.array([isinstance(style, EngraveStyle) for style in kinds])[kind]
     findings: list[Finding] = []
     holes = ReliefHoles(np.zeros(len(pattern.vertices_coords)), ())
     if settings.relief is not None:
-        holes, findings = relief_holes(pattern, sectors, walls, settings.relief)
+        holes, findings = relief_holes(pattern, lines, walls, marks, settings.relief)
     width = np.array([s.width_mm + kerf_mm if isinstance(s, LatticeStyle) else 0.0 for s in kinds])
     trim = holes.radii_mm[pattern.edges_vertices]
-    trim = np.maximum(trim, _lattice_starts(sectors, walls, width[kind] / 2)) + settings.margin_mm
+    trim = np.maximum(trim, _lattice_starts(pattern, lines, walls, width[kind] / 2))
+    trim += settings.margin_mm
     trimmed = np.where(walls[:, None], 0.0, trim)
-    meeting = _meeting_lattices(
-        pattern, cut | walls, trimmed, width[kind] / 2, settings.margin_mm, holes
-    )
+    meeting = _meeting_lattices(pattern, lines, trimmed, width[kind] / 2, settings.margin_mm, holes)
     findings += _meeting_findings(meeting)
     layers = [Layer(Operation.MOUNTAIN), Layer(Operation.VALLEY)]
     drawn = np.zeros(len(kind), bool)
@@ -154,8 +153,7 @@ def cut_layers(
             pierced += np.bincount(creases[cuts.owner[cuts.pierced]], minlength=len(kind))
             layers.append(Layer(operation, cuts.segments))
     drawn[meeting] = True  # named already
-    silent = np.array([isinstance(style, NoStyle) for style in kinds])[kind] | walls
-    findings += _too_short(pattern, ~silent, drawn, settings.margin_mm)
+    findings += _too_short(pattern, lines & ~walls, drawn, settings.margin_mm)
     findings += _pierced(pierced, kerf_mm)
     borders = outlines_of(pattern)
     rings, moved = compensated(borders.rings, kerf_mm)
@@ -208,7 +206,9 @@ def _styles(
     return kinds, kind
 
 
-def _lattice_starts(sectors: Sectors, walls: BoolArray, half_mm: FloatArray) -> FloatArray:
+def _lattice_starts(
+    pattern: CreasePattern, lines: BoolArray, walls: BoolArray, half_mm: FloatArray
+) -> FloatArray:
     """How far from each end a band of this half width clears the lines beside it, shape (ne, 2).
 
     A band h to each side clears the bisector of a sector a after h cot(a / 2), and a wall itself
@@ -217,6 +217,7 @@ def _lattice_starts(sectors: Sectors, walls: BoolArray, half_mm: FloatArray) -> 
     out = np.zeros((len(half_mm), 2))
     if not half_mm.any():
         return out
+    sectors = sectors_of(pattern, lines)
     wall = walls[sectors.edges]
     share = np.where(wall[sectors.following], 1.0, 0.5)  # seen from the line before
     after = np.minimum(sectors.angles * share, np.pi / 2)

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.sectors import Sectors
+from fab.sectors import sectors_of
 from fab.settings import Settings
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -57,20 +57,26 @@ class ReliefHoles:
 
 
 def relief_holes(
-    pattern: CreasePattern, sectors: Sectors, walls: BoolArray, settings: ReliefSettings
+    pattern: CreasePattern,
+    lines: BoolArray,
+    walls: BoolArray,
+    marks: BoolArray,
+    settings: ReliefSettings,
 ) -> tuple[ReliefHoles, list[Finding]]:
     """A hole at each vertex with three or more cut creases and nothing but creases around it.
 
     Parameters
     ----------
-    sectors : of the cut creases and the walls.
-    walls : shape (ne,), the outlines and inner cuts; where one ends, no hole is needed.
+    lines : shape (ne,), the edges along which anything is drawn.
+    walls : those of them that are outlines and inner cuts; where one ends, no hole is needed.
+    marks : those of them that are only engraved, and weaken nothing.
 
     Between neighbouring creases a web is left whose chord at the rim, 2 r sin(a / 2) for the
     sector angle a, is at least `web_mm`: the smallest sector sets the radius. Holes that would come
     nearer than `web_mm` to another hole, to an outline or to a crease of another vertex are left
     out, larger ones before smaller ones, and named in a finding.
     """
+    sectors = sectors_of(pattern, lines & ~marks)
     vertices, first, degree = np.unique(sectors.vertices, return_index=True, return_counts=True)
     radii = np.zeros(len(pattern.vertices_coords))
     if not len(vertices):
@@ -97,7 +103,7 @@ def relief_holes(
                     "radius_mm, or leave it out.",
                 )
             )
-    kept = _clear(pattern, np.unique(sectors.edges), vertices, radius, settings.web_mm)
+    kept = _clear(pattern, np.flatnonzero(lines), vertices, radius, settings.web_mm)
     if not kept.all():
         findings.append(
             _finding(
