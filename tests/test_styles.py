@@ -7,6 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from fab.errors import InvalidJob
+from fab.job import parse_job
 from fab.perforation import PerforationSettings
 from fab.styles import (
     DashDotStyle,
@@ -196,3 +198,38 @@ def test_a_table_without_a_kind_means_dashes():
     assert settings.mountain == DashStyle(cut_mm=2.0, gap_mm=1.0)
     again = PerforationSettings.model_validate(settings.model_dump(mode="json"))
     assert again == settings
+
+
+JOB = {"name": "sheet", "design": {"kind": "miura"}, "sheet": {"width_mm": 60.0}}
+
+
+@pytest.mark.parametrize(
+    ("table", "match"),
+    [
+        ({"mountain": {"cut_mm": 1.0, "gap": 1.0}}, r"mountain\.gap is not a known key.*gap_mm\?"),
+        (
+            {"valley": {"kind": "lattise"}},
+            r"perforation\.valley\.kind = 'lattise' must be one of .*Did you mean lattice\?",
+        ),
+        ({"flat": 3}, r"perforation\.flat = 3 must be a table"),
+        (
+            {"mountain": {"kind": "dots", "dot_mm": 2.0, "pitch_mm": 1.0}},
+            r"perforation\.mountain: dot_mm = 2 must be below pitch_mm",
+        ),
+        (
+            {"bands": [{"from_deg": 0.0, "to_deg": 30.0, "valley": {"kind": "dots", "dot": 1.0}}]},
+            r"perforation\.bands\.0\.valley\.dot is not a known key.*dot_mm",
+        ),
+        (
+            {"bands": [{"from_deg": 0, "to_deg": 30}, {"from_deg": 20, "to_deg": 40}]},
+            "bands from 0 to 30 and from 20 to 40 degrees overlap",
+        ),
+        ({"bands": [{"from_deg": 30, "to_deg": 30}]}, "from_deg = 30 must be below to_deg = 30"),
+        ({"bands": [{"from_deg": 30, "to_deg": 200}]}, r"bands\.0\.to_deg = 200 is refused"),
+        ({"relief": {"shape": "square", "web_mm": 1.0}}, r"relief\.shape = 'square' is refused"),
+        ({"relief": {"web_mm": 0.0}}, r"relief\.web_mm = 0\.0 is refused"),
+    ],
+)
+def test_bad_tables_of_a_job_are_refused_by_their_key(table, match):
+    with pytest.raises(InvalidJob, match=match):
+        parse_job({**JOB, "perforation": table})
