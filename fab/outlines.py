@@ -6,6 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
@@ -55,13 +56,15 @@ def outlines_of(pattern: CreasePattern) -> Outlines:
     place = np.arange(len(pattern.vertices_coords))
     place[used] = used[_same_places(pattern.vertices_coords[used])]
     sides = place[pattern.edges_vertices[border]]
-    sides = sides[sides[:, 0] != sides[:, 1]]
+    places = np.unique(place[used])
+    sides = _split(pattern.vertices_coords, sides[sides[:, 0] != sides[:, 1]], places)
     pairs, which = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
     forward = np.where(sides[:, 0] < sides[:, 1], 1, -1)
     net = np.zeros(len(pairs), np.int64)
     np.add.at(net, which, forward)
     cuts = place[pattern.edges_vertices[inner]]
-    cuts = np.sort(cuts[cuts[:, 0] != cuts[:, 1]], axis=1)
+    cuts = _split(pattern.vertices_coords, cuts[cuts[:, 0] != cuts[:, 1]], places)
+    cuts = np.sort(cuts, axis=1)
     lips = pairs[net == 0]
     directed = np.where(net[:, None] > 0, pairs, pairs[:, ::-1])
     rings = _rings(pattern.vertices_coords, np.repeat(directed, np.abs(net), axis=0))
@@ -78,6 +81,27 @@ def _same_places(points: FloatArray) -> IntArray:
     _, label = connected_components(graph, directed=False)
     _, first = np.unique(label, return_index=True)
     out: IntArray = first[label]
+    return out
+
+
+def _split(coords: FloatArray, sides: IntArray, places: IntArray) -> IntArray:
+    """Sides split at the places that lie on them, so that partners of other lengths are found."""
+    if not len(sides):
+        return sides
+    tree = shapely.STRtree(shapely.linestrings(coords[sides]))
+    points = shapely.points(coords[places])
+    point, side = tree.query(points, predicate="dwithin", distance=_SAME_PLACE_MM)
+    inside = (sides[side] != places[point, None]).all(axis=1)
+    point, side = places[point[inside]], side[inside]
+    # every side as its start, the places on it in their order, and its end
+    stop = np.concatenate([sides[:, 0], point, sides[:, 1]])
+    number = np.arange(len(sides))
+    owner = np.concatenate([number, side, number])
+    start = coords[sides[owner, 0]]
+    order = np.lexsort((np.hypot(*(coords[stop] - start).T), owner))
+    stop, owner = stop[order], owner[order]
+    same = owner[1:] == owner[:-1]
+    out: IntArray = np.column_stack([stop[:-1], stop[1:]])[same]
     return out
 
 

@@ -91,6 +91,15 @@ def test_pieces_that_touch_along_a_seam_are_cut_once():
     assert areas(outlines_of(apart).rings) == pytest.approx([100.0, 100.0])
 
 
+def test_a_seam_whose_sides_are_divided_otherwise_is_cut_once():
+    coords = np.array([[0, 0], [20, 0], [20, 10], [0, 10], [0, 10], [5, 10], [20, 10], [20, 20]])
+    pattern = pattern_of(np.vstack([coords, [[0, 20]]]), [[0, 1, 2, 3], [4, 5, 6, 7, 8]])
+    outlines = outlines_of(pattern)
+    assert areas(outlines.rings) == pytest.approx([400.0])
+    assert len(outlines.slits) == 1
+    assert_sound(pattern, outlines)
+
+
 def test_slits_are_joined_to_chains_and_straight_runs_to_one_cut():
     # a slit along the middle line, with a branch to the right angle at its end
     cuts = [(8, 9), (9, 10), (10, 11), (11, 18)]
