@@ -5,10 +5,12 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Union, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import Field, PrivateAttr, ValidationError, create_model, model_validator
 
@@ -220,9 +222,7 @@ def parse_job(document: Mapping[str, Any], source: str = "job", folder: Path = P
 
 
 def _explain(error: Any, document: Mapping[str, Any]) -> str:
-    place = [str(part) for part in error["loc"]]
-    if place[:1] == ["design"] and len(place) > 1:
-        place.pop(1)  # pydantic names the kind between table and key
+    place = _place(error["loc"], document)
     key = ".".join(place) or "job"
     kind, value = error["type"], error.get("input")
     if kind == "extra_forbidden":
@@ -231,9 +231,10 @@ def _explain(error: Any, document: Mapping[str, Any]) -> str:
         return f"{key} is not a known key.{hint} Known here: {', '.join(sorted(here))}."
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = value.get("kind") if isinstance(value, Mapping) else None
-        close = difflib.get_close_matches(str(given), DESIGNS, 1, 0.4)
+        known = re.findall(r"'(\w+)'", error["ctx"].get("expected_tags", "")) or DESIGNS
+        close = difflib.get_close_matches(str(given), known, 1, 0.4)
         hint = f" Did you mean {close[0]}?" if close else ""
-        return f"design.kind = {given!r} must be one of {', '.join(sorted(DESIGNS))}.{hint}"
+        return f"{key}.kind = {given!r} must be one of {', '.join(sorted(known))}.{hint}"
     if kind == "missing":
         return f"{key} is missing. Add it; `quadfold new` copies a complete job."
     if key == "name":
@@ -265,11 +266,51 @@ def _hint(place: Sequence[str], here: Sequence[str], document: Mapping[str, Any]
 
 def _known_keys(place: Sequence[str], document: Mapping[str, Any]) -> list[str]:
     model: Any = Job
+    node: Any = document
     for part in place:
-        if model is Job and part == "design":
-            table = document.get("design")
-            kind = table.get("kind") if isinstance(table, Mapping) else None
-            model = _DESIGN_SETTINGS.get(str(kind), DesignSettings)
-        else:
-            model = model.model_fields[part].annotation
+        listed = get_args(model)[0] if get_origin(model) is list else None
+        node = _within(node, part)
+        model = _table(listed or model.model_fields[part].annotation, node)
     return list(model.model_fields)
+
+
+def _table(annotation: Any, node: Any) -> Any:
+    """The table that an annotation stands for; of a choice, the one that the node's kind names."""
+    tables = _choices(annotation)
+    if len(tables) == 1:
+        return tables[0]
+    kind = _kind(node)
+    named = (t for t in tables if get_args(t.model_fields["kind"].annotation) == (kind,))
+    return next(named, Settings)
+
+
+def _choices(annotation: Any) -> list[Any]:
+    if get_origin(annotation) is Annotated:
+        return _choices(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        parts = [part for part in get_args(annotation) if part is not NoneType]
+        return [table for part in parts for table in _choices(part)]
+    return [annotation]
+
+
+def _place(loc: Sequence[Any], document: Any) -> list[str]:
+    """Where in the document; pydantic names the kind of a table between the table and its key."""
+    out = []
+    for part in loc:
+        if isinstance(document, Mapping) and part not in document and part == _kind(document):
+            continue
+        out.append(str(part))
+        document = _within(document, part)
+    return out
+
+
+def _kind(node: Any) -> Any:
+    """The kind that a table names; styles without one are dashes."""
+    return node.get("kind", "dashes") if isinstance(node, Mapping) else None
+
+
+def _within(node: Any, part: Any) -> Any:
+    if isinstance(node, Mapping):
+        return node.get(part)
+    index = int(part) if isinstance(node, list) and str(part).isdigit() else -1
+    return node[index] if 0 <= index < len(node) else None

@@ -1,0 +1,70 @@
+"""Flat crease patterns of all kinds for the tests: triangles, n-gons, pieces, holes, cuts."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from fab.crease import CreasePattern
+from solver.mesh import edges_of
+
+
+def pattern_of(coords, faces, letter="M", cuts=(), angle=90.0) -> CreasePattern:
+    """Faces as lists of corners; `letter` for all creases or for each; `cuts` as pairs."""
+    corners = np.array([v for face in faces for v in face], np.int64)
+    offsets = np.concatenate([[0], np.cumsum([len(face) for face in faces])]).astype(np.int64)
+    edges = edges_of(corners, offsets)
+    count = len(edges.edges_vertices)
+    letters = np.broadcast_to(np.array(letter), count).astype("U1")
+    letters[edges.edges_faces[:, 1] < 0] = "B"
+    pairs = {tuple(sorted(pair)) for pair in cuts}
+    for i, pair in enumerate(np.sort(edges.edges_vertices, axis=1).tolist()):
+        if tuple(pair) in pairs:
+            letters[i] = "C"
+    sign = np.where(letters == "V", 1.0, np.where(letters == "M", -1.0, 0.0))
+    return CreasePattern(
+        np.asarray(coords, float),
+        edges.edges_vertices,
+        edges.edges_faces,
+        letters,
+        sign * np.broadcast_to(angle, count),
+        corners,
+        offsets,
+    )
+
+
+def fan(sides: int, radius: float, letter="M") -> CreasePattern:
+    """Triangles around one vertex (the first), which has that many creases."""
+    turn = np.arange(sides) * 2 * np.pi / sides
+    rim = radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    faces = [[0, 1 + i, 1 + (i + 1) % sides] for i in range(sides)]
+    return pattern_of(np.vstack([[0.0, 0.0], rim]), faces, letter)
+
+
+def grid(columns: int, rows: int, size: float, without=(), cuts=()) -> CreasePattern:
+    """Squares, some left out by (column, row); vertices are numbered row after row."""
+    across = columns + 1
+    x, y = np.meshgrid(np.arange(across) * size, np.arange(rows + 1) * size)
+    faces = [
+        [r * across + c, r * across + c + 1, (r + 1) * across + c + 1, (r + 1) * across + c]
+        for r in range(rows)
+        for c in range(columns)
+        if (c, r) not in set(without)
+    ]
+    return pattern_of(np.column_stack([x.ravel(), y.ravel()]), faces, "V", cuts)
+
+
+def triangles(seed: int, count: int = 30, size: float = 200.0) -> CreasePattern:
+    """Delaunay triangles of random points, without needles, random letters and fold angles."""
+    random = np.random.default_rng(seed)
+    coords = random.uniform(0, size, (count, 2))
+    faces = Delaunay(coords).simplices
+    arm = coords[faces[:, 1:]] - coords[faces[:, :1]]
+    area = arm[:, 0, 0] * arm[:, 1, 1] - arm[:, 0, 1] * arm[:, 1, 0]
+    faces = np.where(area[:, None] > 0, faces, faces[:, ::-1])
+    sides = coords[faces] - coords[np.roll(faces, 1, axis=1)]
+    height = np.abs(area) / np.hypot(sides[..., 0], sides[..., 1]).max(axis=1)
+    faces = faces[height > size / 50].tolist()
+    edges = len(pattern_of(coords, faces).edges_vertices)
+    letters = random.choice(["M", "V", "F", "U", "C"], edges, p=[0.4, 0.4, 0.08, 0.08, 0.04])
+    return pattern_of(coords, faces, letters, angle=random.uniform(0, 180, edges))
