@@ -75,6 +75,7 @@ def read_pattern(
         corners, offsets = _given_faces(file, flat["faces_vertices"], coords, merged, findings)
     else:
         corners, offsets = _rebuilt_faces(coords, pairs[~dangling], letters[~dangling], findings)
+        _refuse_islands(file, coords, pairs[~dangling], number[~dangling], corners, offsets)
     if len(offsets) == 1:
         raise InvalidFile(f"{file}: its edges enclose no face. Draw the outline of the sheet.")
     try:
@@ -365,7 +366,7 @@ def _places(path: Path, sides: IntArray, pairs: IntArray, count: int) -> IntArra
     keys = pairs.min(axis=1) * count + pairs.max(axis=1)
     order = np.argsort(keys)
     wanted = sides.min(axis=1) * count + sides.max(axis=1)
-    place = order[np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)]
+    place: IntArray = order[np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)]
     lacking = np.flatnonzero(keys[place] != wanted)
     if len(lacking):
         one, two = sides[lacking[0]]
@@ -382,16 +383,7 @@ def _faces_around(
     offsets: IntArray,
 ) -> IntArray:
     """The face that each edge, no side of any, lies in."""
-    import shapely
-
-    if not len(pairs):
-        return np.empty(0, np.int64)
-    sizes = np.diff(offsets)
-    rings = shapely.linearrings(coords[corners], indices=np.repeat(np.arange(len(sizes)), sizes))
-    middles = shapely.points(coords[pairs].mean(axis=1))
-    point, face = shapely.STRtree(shapely.polygons(rings)).query(middles, "within")
-    out = np.full(len(pairs), -1)
-    out[point] = face
+    out = _around(coords[pairs].mean(axis=1), coords, corners, offsets)
     outside = np.flatnonzero(out < 0)
     if len(outside):
         raise InvalidFile(
@@ -399,6 +391,50 @@ def _faces_around(
             "the outline around it."
         )
     return out
+
+
+def _around(
+    points: FloatArray, coords: FloatArray, corners: IntArray, offsets: IntArray
+) -> IntArray:
+    """The face that each point lies inside of, -1 for none, shape (n,)."""
+    import shapely
+
+    out = np.full(len(points), -1)
+    if len(points):
+        sizes = np.diff(offsets)
+        owner = np.repeat(np.arange(len(sizes)), sizes)
+        rings = shapely.linearrings(coords[corners], indices=owner)
+        tree = shapely.STRtree(shapely.polygons(rings))
+        point, face = tree.query(shapely.points(points), "within")
+        out[point] = face
+    return out
+
+
+def _refuse_islands(
+    path: Path,
+    coords: FloatArray,
+    pairs: IntArray,
+    number: IntArray,
+    corners: IntArray,
+    offsets: IntArray,
+) -> None:
+    """Faces have no holes: what lies within one must hang together with its sides."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(coords), len(coords)))
+    _, label = connected_components(graph, directed=False)
+    parts, first = np.unique(label[pairs[:, 0]], return_index=True)
+    if len(parts) == 1 or len(offsets) == 1:
+        return
+    within = _around(coords[pairs[first, 0]], coords, corners, offsets)
+    if (within >= 0).any():
+        edge = number[first[np.argmax(within >= 0)]]
+        x, y = coords[pairs[first[np.argmax(within >= 0)], 0]]
+        raise InvalidFile(
+            f"{path}: the lines around edge {edge}, near ({x:.6g}, {y:.6g}) mm, are an island in a "
+            "face. Join them to its sides by an edge of assignment J."
+        )
 
 
 def _note_loose(number: IntArray, findings: list[Finding]) -> None:
