@@ -9,7 +9,7 @@ kerf here: that is what the card is to tell.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -100,87 +100,84 @@ def _table(letter: Operation, style: Style, shares: Sequence[float], material: M
         return _tongue(letter, style, f"{letter[0]} {kind}", _TONGUE_MM, material)
     base = (float(style[first]), float(style[second]))
     width = max(_TONGUE_MM, 2.5 * sum(base))
-    rows = []
+    tongues = []
     for gap in shares:
-        row = []
         for cut in shares:
             tried = {**style, first: round(cut * base[0], 2), second: round(gap * base[1], 2)}
             label = f"{letter[0]} {tried[first]:g}/{tried[second]:g}"
-            row.append(_tongue(letter, tried, label, width, material))
-        rows.append(_beside(row))
-    return _above(rows)
+            tongues.append(_tongue(letter, tried, label, width, material))
+    cell = max(tongue.size[0] for tongue in tongues)
+    cells = [replace(tongue, size=(cell, tongue.size[1])) for tongue in tongues]
+    count = len(shares)
+    return _above([_beside(cells[i : i + count]) for i in range(0, len(cells), count)])
 
 
 def _tongue(
-    letter: Operation, style: Style, label: str, width: float, material: Material
+    letter: Operation, style: Style, label: str, wanted: float, material: Material
 ) -> _Block:
-    """A tongue cut free on three sides; the fourth, above, is the crease."""
-    across = float(style.get("pitch_mm", 0)) * (int(style.get("rows", 1)) - 1)
-    bottom = 2 * _LETTER_MM
-    middle = bottom + max(10.0, 3 * material.thickness_mm) + across / 2
-    top = middle + across / 2
-    free = np.array([[0, top], [0, bottom], [width, bottom], [width, top]])
-    sides = np.stack([free[:-1], free[1:]], axis=1)
+    """A tongue cut free on three sides; the fourth, above, is the crease. About `wanted` wide."""
+    marks, length = _marks(style, wanted)
     margin = material.perforation.margin_mm
-    marks = _marks(style, width, margin) + np.array([0, middle])
+    width = length + 2 * margin
+    half = float(np.ptp(marks[..., 1])) / 2 if len(marks) else 0.0
+    bottom = 2 * _LETTER_MM
+    middle = bottom + max(10.0, 3 * material.thickness_mm) + half
+    top = middle + half
+    free = np.array([[0, top], [0, bottom], [width, bottom], [width, top]])
     made = Operation.ENGRAVE if style["kind"] == "engrave" else letter
     words = tuple(_text_outlines(label, _LETTER_MM, (0, _LETTER_MM / 2), 0.0))
     text_width = max(float(outline[:, 0].max()) for outline in words)
     layers = (
         Layer(Operation.ENGRAVE, outlines=words),
-        Layer(made, marks),
-        Layer(Operation.CUT, sides),
+        Layer(made, marks + np.array([margin, middle])),
+        Layer(Operation.CUT, np.stack([free[:-1], free[1:]], axis=1)),
     )
     return _Block(layers, (max(width, text_width), top + _SPACE_MM))
 
 
-def _marks(style: Style, length: float, margin: float) -> FloatArray:
-    """Cuts of a style along the x axis from 0 to `length`, shape (n, 2, 2)."""
+def _marks(style: Style, wanted: float) -> tuple[FloatArray, float]:
+    """Cuts of a style along the x axis from 0 on, shape (n, 2, 2), and how far they go."""
     kind = style["kind"]
-    room = length - 2 * margin
     if kind == "none":
-        return np.empty((0, 2, 2))
+        return np.empty((0, 2, 2)), wanted
     if kind in ("score", "engrave"):
-        spans = np.array([[0.0, room]])
+        spans = np.array([[0.0, wanted]])
     elif kind == "dots":
         dot, pitch = float(style["dot_mm"]), float(style["pitch_mm"])
-        spans = _fitted([dot], [max(pitch - dot, dot)], room)
+        spans = _whole([dot], [max(pitch - dot, dot)], wanted)
     elif kind == "dash_dot":
         gap = float(style["gap_mm"])
-        spans = _fitted([float(style["cut_mm"]), float(style["dot_mm"])], [gap, gap], room)
+        spans = _whole([float(style["cut_mm"]), float(style["dot_mm"])], [gap, gap], wanted)
     else:
-        spans = _fitted([float(style["cut_mm"])], [float(style["gap_mm"])], room)
-    rows = int(style.get("rows", 1))
-    pitch = float(style.get("pitch_mm", 0)) if kind == "lattice" else 0.0
+        spans = _whole([float(style["cut_mm"])], [float(style["gap_mm"])], wanted)
+    length = float(spans[-1, 1])
+    rows, pitch = (1, 0.0)
+    if kind == "lattice":
+        rows, pitch = int(style["rows"]), float(style["pitch_mm"])
     out = []
     for row in range(rows):
-        x = spans if row % 2 == 0 else _between(spans, room)
-        y = np.full_like(x, (row - (rows - 1) / 2) * pitch)
-        out.append(np.stack([x + margin, y], axis=-1))
-    return np.concatenate(out)
+        x = spans if row % 2 == 0 else _between(spans)
+        out.append(np.stack([x, np.full_like(x, (row - (rows - 1) / 2) * pitch)], axis=-1))
+    return np.concatenate(out), length
 
 
-def _fitted(cuts: Sequence[float], gaps: Sequence[float], room: float) -> FloatArray:
-    """From and to of cuts and gaps in turn, that begin and end with the first cut, (n, 2)."""
-    period = sum(cuts) + sum(gaps)
-    count = round((room - cuts[0]) / period)
-    if count < 1:
-        cut = min(cuts[0], room)
-        return np.array([[(room - cut) / 2, (room + cut) / 2]])
-    scale = room / (count * period + cuts[0])
-    steps = scale * np.array([*[x for pair in zip(cuts, gaps, strict=True) for x in pair] * count])
-    ends = np.concatenate([[0.0], np.cumsum(steps), [room]])
+def _whole(cuts: Sequence[float], gaps: Sequence[float], wanted: float) -> FloatArray:
+    """From and to of cuts and gaps in turn, two periods at least, about `wanted` long, (n, 2).
+
+    They begin and end with the first cut, and have exactly the lengths that the label names.
+    """
+    count = max(2, round((wanted - cuts[0]) / (sum(cuts) + sum(gaps))))
+    period = [length for pair in zip(cuts, gaps, strict=True) for length in pair]
+    ends = np.concatenate([[0.0], np.cumsum([*period * count, cuts[0]])])
     return ends.reshape(-1, 2)
 
 
-def _between(spans: FloatArray, room: float) -> FloatArray:
+def _between(spans: FloatArray) -> FloatArray:
     """The row next to `spans` in a lattice: cuts across its gaps, shortened at both ends."""
-    if len(spans) == 1:
-        return spans
     gap = float(spans[1, 0] - spans[0, 1])
     middles = spans.mean(axis=1)
-    starts = np.concatenate([[0.0], middles + gap / 2])
-    ends = np.concatenate([middles - gap / 2, [room]])
+    starts = np.concatenate([spans[:1, 0], middles + gap / 2])
+    ends = np.concatenate([middles - gap / 2, spans[-1:, 1]])
     return np.column_stack([starts, ends])[ends > starts]
 
 
