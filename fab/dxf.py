@@ -8,6 +8,7 @@ because a million of them would otherwise take minutes.
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -119,10 +120,15 @@ def _line(layer: str, owner: str, version: DxfVersion) -> list[bytes]:
 
 @contextmanager
 def _fixed_metadata() -> Iterator[None]:
-    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes."""
-    before = ezdxf.options.write_fixed_meta_data_for_testing
+    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes.
+
+    Its warning that R12 has no units is held back: they are written all the same.
+    """
+    before, level = ezdxf.options.write_fixed_meta_data_for_testing, ezdxf.logger.level
     ezdxf.options.write_fixed_meta_data_for_testing = True
+    ezdxf.logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
+        ezdxf.logger.setLevel(level)

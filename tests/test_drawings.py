@@ -154,8 +154,10 @@ def test_numbers_that_cannot_be_written_are_refused(bad):
 
 
 @pytest.mark.parametrize("version", list(DxfVersion))
-def test_every_version_says_millimetres_and_passes_the_audit(paths, version):
-    document, audit = recover.read(io.BytesIO(dxf_bytes(paths, version=version)))
+def test_every_version_says_millimetres_and_passes_the_audit(paths, version, caplog):
+    data = dxf_bytes(paths, version=version)
+    assert caplog.records == []
+    document, audit = recover.read(io.BytesIO(data))
     assert not audit.errors
     assert not audit.fixes
     assert document.acad_release == version
