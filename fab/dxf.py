@@ -124,11 +124,12 @@ def _fixed_metadata() -> Iterator[None]:
 
     Its warning that R12 has no units is held back: they are written all the same.
     """
-    before, level = ezdxf.options.write_fixed_meta_data_for_testing, ezdxf.logger.level
+    logger = logging.getLogger("ezdxf")
+    before, level = ezdxf.options.write_fixed_meta_data_for_testing, logger.level
     ezdxf.options.write_fixed_meta_data_for_testing = True
-    ezdxf.logger.setLevel(logging.ERROR)
+    logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
-        ezdxf.logger.setLevel(level)
+        logger.setLevel(level)
