@@ -33,8 +33,10 @@ class CreasePattern:
     ----------
     vertices_coords : shape (nv, 2), mm; faces are counterclockwise seen from +z.
     edges_vertices : shape (ne, 2), unique edges, each in the direction of its first face.
-    edges_faces : shape (ne, 2), first and second face; -1 where there is none.
-    edges_assignment : shape (ne,), "M", "V", "F" or "B".
+    edges_faces : shape (ne, 2), first and second face; -1 where there is none. An edge that ends
+        within a face, as slits do, has that face twice.
+    edges_assignment : shape (ne,), "M", "V", "F" or "B"; in patterns of other programs also "U"
+        (unassigned), "C" (cut between two faces) and "J" (joins faces that stay flat).
     edges_foldAngle : shape (ne,), degrees in (-180, 180], valley positive, 0 at the boundary.
     faces_vertices, faces_offsets : polygons, see the module; shapes (total,) and (nf + 1,).
     folded_coords : shape (nv, 3), mm, the folded form; None where it is not known.
@@ -70,8 +72,9 @@ class CreasePattern:
         return by_size(self.faces_vertices, self.faces_offsets)
 
     def counts(self) -> dict[str, int]:
-        """Number of edges by assignment."""
-        return {letter: int((self.edges_assignment == letter).sum()) for letter in "MVFB"}
+        """Number of edges by assignment; U, C and J only where they occur."""
+        found = {letter: int((self.edges_assignment == letter).sum()) for letter in "MVFBUCJ"}
+        return {letter: count for letter, count in found.items() if count or letter in "MVFB"}
 
 
 def crease_pattern(

@@ -8,43 +8,82 @@ because a million of them would otherwise take minutes.
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import StrEnum
 
 import ezdxf
 from ezdxf.enums import InsertUnits
 
-from fab.paths import CutPaths, Layer, Operation
+from fab.colours import Colours
+from fab.digits import write_records
+from fab.paths import CutPaths
 
-__all__ = ["dxf_bytes"]
-
-# AutoCAD colour index by operation: green marks, red mountains, blue valleys, magenta relief holes,
-# black (white on dark) cuts.
-_COLOURS = {
-    Operation.ENGRAVE: 3,
-    Operation.MOUNTAIN: 1,
-    Operation.VALLEY: 5,
-    Operation.RELIEF: 6,
-    Operation.CUT: 7,
-}
-
-_LINE = (
-    "  0\nLINE\n  5\n%X\n330\n{owner}\n100\nAcDbEntity\n  8\n{layer}\n100\nAcDbLine\n"
-    " 10\n%.6f\n 20\n%.6f\n 30\n0.0\n 11\n%.6f\n 21\n%.6f\n 31\n0.0\n"
-)
+__all__ = ["DxfVersion", "dxf_bytes"]
 
 
-def dxf_bytes(paths: CutPaths) -> bytes:
-    """The DXF R2000 file, the same bytes for the same paths."""
+class DxfVersion(StrEnum):
+    """Which DXF is written.
+
+    R12 is for old machines alone. It has no LWPOLYLINE, so outlines are POLYLINEs, several times as
+    long; and no units: $INSUNITS and $MEASUREMENT stand in its header all the same, because
+    programs that look for them then open the sheet at its size. Those that don't take the numbers
+    for their own unit: tell them that these are millimetres.
+    """
+
+    R12 = "R12"
+    R2000 = "R2000"
+    R2004 = "R2004"
+    R2007 = "R2007"
+    R2010 = "R2010"
+    R2013 = "R2013"
+    R2018 = "R2018"
+
+
+_UNITS = "  9\n$INSUNITS\n 70\n4\n  9\n$MEASUREMENT\n 70\n1\n"
+
+
+def dxf_bytes(
+    paths: CutPaths,
+    colours: Colours | None = None,
+    version: DxfVersion = DxfVersion.R2000,
+) -> bytes:
+    """The DXF file, the same bytes for the same paths."""
+    head, body, tail, owner, handle = _frame(paths, colours or Colours(), version)
+    count = sum(len(layer.segments) for layer in paths.layers)
+    handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
+    seed = f"$HANDSEED\n  5\n{handle + count:X}\n"
+    out = io.BytesIO()
+    out.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
+    out.write(body.encode())
+    for layer in paths.layers:
+        rows = layer.segments.reshape(-1, 4)
+        write_records(out, _line(layer.operation, owner, version), rows, handle)
+        handle += len(rows)
+    out.write(tail.encode())
+    return out.getvalue()
+
+
+def _frame(
+    paths: CutPaths, colours: Colours, version: DxfVersion
+) -> tuple[str, str, str, str, int]:
+    """What stands before the dashes (header apart) and behind them; their owner; a free handle."""
     with _fixed_metadata():
-        document = ezdxf.new("R2000", units=InsertUnits.Millimeters)
-        document.header["$MEASUREMENT"] = 1
+        document = ezdxf.new(version)
+        if version is not DxfVersion.R12:  # there ezdxf leaves them out
+            document.units = InsertUnits.Millimeters
+            document.header["$MEASUREMENT"] = 1
         space = document.modelspace()
         for layer in paths.layers:
-            document.layers.add(layer.operation, color=_COLOURS[layer.operation])
+            document.layers.add(layer.operation, color=colours.of(layer.operation).aci)
             for outline in layer.outlines:
-                space.add_lwpolyline(outline, close=True, dxfattribs={"layer": layer.operation})
+                attributes = {"layer": layer.operation}
+                if version is DxfVersion.R12:
+                    space.add_polyline2d(outline, close=True, dxfattribs=attributes)
+                else:
+                    space.add_lwpolyline(outline, close=True, dxfattribs=attributes)
         corners = (0.0, 0.0, 0.0), (*paths.size_mm, 0.0)
         document.header["$EXTMIN"], document.header["$EXTMAX"] = corners
         space.dxf.extmin, space.dxf.extmax = corners
@@ -55,28 +94,42 @@ def dxf_bytes(paths: CutPaths) -> bytes:
     head, mark, rest = text.partition("  2\nENTITIES\n")
     if found is None or not mark:
         raise RuntimeError("ezdxf wrote a DXF file without $HANDSEED or ENTITIES section")
+    if version is DxfVersion.R12:
+        first = "  2\nHEADER\n"
+        head = head.replace(first, first + _UNITS, 1)
     body, end, tail = rest.partition("  0\nENDSEC\n")
-    handle = int(found[1], 16)
-    parts = []
-    for layer in paths.layers:
-        parts.append(_lines(layer, handle, space.layout_key))
-        handle += len(layer.segments)
-    head = head.replace(found[0], f"$HANDSEED\n  5\n{handle:X}\n")
-    return "".join([head, mark, body, *parts, end, tail]).encode("utf-8")
+    return head + mark, body, end + tail, space.layout_key, int(found[1], 16)
 
 
-def _lines(layer: Layer, handle: int, owner: str) -> str:
-    template = _LINE.format(owner=owner, layer=layer.operation)
-    rows = layer.segments.reshape(-1, 4).tolist()
-    return "".join(template % (handle + i, *row) for i, row in enumerate(rows))
+def _line(layer: str, owner: str, version: DxfVersion) -> list[bytes]:
+    """The text of a LINE around its handle and its four coordinates."""
+    kind, place, entity, between = "  0\nLINE\n  5\n", f"  8\n{layer}\n", "", ""
+    if version is not DxfVersion.R12:
+        entity = f"330\n{owner}\n100\nAcDbEntity\n"
+        between = "100\nAcDbLine\n"
+    parts = [
+        kind,
+        f"\n{entity}{place}{between} 10\n",
+        "\n 20\n",
+        "\n 30\n0.0\n 11\n",
+        "\n 21\n",
+        "\n 31\n0.0\n",
+    ]
+    return [part.encode() for part in parts]
 
 
 @contextmanager
 def _fixed_metadata() -> Iterator[None]:
-    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes."""
-    before = ezdxf.options.write_fixed_meta_data_for_testing
+    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes.
+
+    Its warning that R12 has no units is held back: they are written all the same.
+    """
+    logger = logging.getLogger("ezdxf")
+    before, level = ezdxf.options.write_fixed_meta_data_for_testing, logger.level
     ezdxf.options.write_fixed_meta_data_for_testing = True
+    logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
         ezdxf.options.write_fixed_meta_data_for_testing = before
+        logger.setLevel(level)

@@ -19,14 +19,23 @@ from solver.errors import InvalidValue
 from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["fold_bytes", "read_fold"]
+__all__ = [
+    "FULLY_FOLDED",
+    "flat_coords",
+    "fold_bytes",
+    "frame_coords",
+    "frame_faces",
+    "frame_list",
+    "read_fold",
+    "read_frames",
+]
 
 # A file over this is refused before it is parsed: it would not fit into memory several times.
 _LARGEST_BYTES = 2_000_000_000
 
 
 # What a crease without an angle (null) folds by, degrees, by its letter.
-_FULLY_FOLDED = {"M": -180.0, "V": 180.0}
+FULLY_FOLDED = {"M": -180.0, "V": 180.0}
 
 
 def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
@@ -79,26 +88,15 @@ def read_fold(path: Path) -> CreasePattern:
     class foldedForm is the folded form. Without `edges_foldAngle` the angles are those of the
     folded form. Raises `InvalidFile` with the place and the cure.
     """
-    document = _load(path)
-    frames = [document, *_list(path, document, "file_frames", [])]
-    resolved = _resolved(path, frames)
-    flat = _first(resolved, "creasePattern") or resolved[0]
-    folded = _first(resolved, "foldedForm")
-    coords = _coords(path, flat, "crease pattern")
-    if folded is flat:
-        folded = None
-    if np.ptp(coords[:, 2]) > 1e-9 * np.ptp(coords, axis=0).max():
-        raise InvalidFile(
-            f"{path}: no flat frame: the crease pattern's z runs over {np.ptp(coords[:, 2]):.6g}. "
-            "Give a frame of class creasePattern with flat coordinates."
-        )
+    flat, folded = read_frames(path)
+    coords = flat_coords(path, flat)
     if "faces_vertices" not in flat:
         raise InvalidFile(f"{path}: faces_vertices is missing. Export the file with its faces.")
-    corners, offsets = _faces(path, flat["faces_vertices"], len(coords))
+    corners, offsets = frame_faces(path, flat["faces_vertices"], len(coords))
     corners = _counterclockwise(path, coords, corners, offsets)
     try:
         edges = edges_of(corners, offsets)
-        folded_coords = None if folded is None else _coords(path, folded, "folded form")
+        folded_coords = None if folded is None else frame_coords(path, folded, "folded form")
         if folded_coords is not None and len(folded_coords) != len(coords):
             raise InvalidFile(
                 f"{path}: the folded form has {len(folded_coords)} vertices, the crease pattern "
@@ -125,6 +123,27 @@ def read_fold(path: Path) -> CreasePattern:
     )
 
 
+def read_frames(path: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
+    """The frame of the flat sheet, and that of the folded form where there is one."""
+    document = _load(path)
+    frames = [document, *frame_list(path, document, "file_frames", [])]
+    resolved = _resolved(path, frames)
+    flat = _first(resolved, "creasePattern") or resolved[0]
+    folded = _first(resolved, "foldedForm")
+    return flat, None if folded is flat else folded
+
+
+def flat_coords(path: Path, flat: dict[str, Any]) -> FloatArray:
+    """Points of the flat sheet with z = 0 or nearly so, shape (nv, 3)."""
+    coords = frame_coords(path, flat, "crease pattern")
+    if np.ptp(coords[:, 2]) > 1e-9 * np.ptp(coords, axis=0).max():
+        raise InvalidFile(
+            f"{path}: no flat frame: the crease pattern's z runs over {np.ptp(coords[:, 2]):.6g}. "
+            "Give a frame of class creasePattern with flat coordinates."
+        )
+    return coords
+
+
 def _load(path: Path) -> dict[str, Any]:
     try:
         if path.exists() and not path.is_file():
@@ -146,7 +165,8 @@ def _load(path: Path) -> dict[str, Any]:
     return document
 
 
-def _list(path: Path, frame: dict[str, Any], key: str, default: list[Any]) -> list[Any]:
+def frame_list(path: Path, frame: dict[str, Any], key: str, default: list[Any]) -> list[Any]:
+    """A list of a frame by its key. Raises `InvalidFile` where it is something else."""
     value = frame.get(key, default)
     if not isinstance(value, list):
         raise InvalidFile(f"{path}: {key} must be a list.")
@@ -185,8 +205,9 @@ def _first(frames: list[dict[str, Any]], wanted: str) -> dict[str, Any] | None:
     return next((frame for frame in frames if wanted in frame.get("frame_classes", [])), None)
 
 
-def _coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
-    rows = _list(path, frame, "vertices_coords", [])
+def frame_coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
+    """The points of a frame, shape (nv, 3); z = 0 where they are plane."""
+    rows = frame_list(path, frame, "vertices_coords", [])
     try:
         found = np.array(rows)
     except ValueError:
@@ -206,7 +227,8 @@ def _coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
     return coords if coords.shape[1] == 3 else np.pad(coords, ((0, 0), (0, 1)))
 
 
-def _faces(path: Path, faces: Any, count: int) -> tuple[IntArray, IntArray]:
+def frame_faces(path: Path, faces: Any, count: int) -> tuple[IntArray, IntArray]:
+    """Corners and offsets of faces_vertices whose vertices run up to `count`."""
     if not isinstance(faces, list) or not faces:
         raise InvalidFile(f"{path}: faces_vertices must be a list of at least one face.")
     for number, face in enumerate(faces):
@@ -247,20 +269,20 @@ def _stored_angles(path: Path, frame: dict[str, Any], wanted: IntArray) -> Float
     """The file's own fold angles in the order of `wanted`; None where it stores none."""
     if "edges_foldAngle" not in frame:
         return None
-    pairs = _list(path, frame, "edges_vertices", [])
-    angles = _list(path, frame, "edges_foldAngle", [])
+    pairs = frame_list(path, frame, "edges_vertices", [])
+    angles = frame_list(path, frame, "edges_foldAngle", [])
     if len(pairs) != len(angles):
         raise InvalidFile(
             f"{path}: {len(angles)} entries of edges_foldAngle for {len(pairs)} edges."
         )
-    letters = _list(path, frame, "edges_assignment", ["U"] * len(pairs))
+    letters = frame_list(path, frame, "edges_assignment", ["U"] * len(pairs))
     if len(letters) != len(pairs):
         raise InvalidFile(f"{path}: {len(letters)} edges_assignment for {len(pairs)} edges.")
     known: dict[tuple[int, int], float] = {}
     for number, (pair, angle) in enumerate(zip(pairs, angles, strict=True)):
         if not isinstance(pair, list) or len(pair) != 2 or not all(type(v) is int for v in pair):
             raise InvalidFile(f"{path}: edge {number} must have two vertex numbers.")
-        value = _FULLY_FOLDED.get(str(letters[number]), 0.0) if angle is None else angle
+        value = FULLY_FOLDED.get(str(letters[number]), 0.0) if angle is None else angle
         if (
             isinstance(value, bool)
             or not isinstance(value, int | float)

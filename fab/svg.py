@@ -5,23 +5,20 @@ In millimetres, one group per operation with Inkscape's layer attributes, hairli
 
 from __future__ import annotations
 
+import io
+from typing import BinaryIO
 from xml.sax.saxutils import escape, quoteattr
 
-from fab.paths import CutPaths, Layer, Operation
+from fab.colours import Colours
+from fab.digits import write_records
+from fab.paths import CutPaths, Layer
 
 __all__ = ["svg_bytes"]
 
-_COLOURS = {
-    Operation.ENGRAVE: "#00a000",
-    Operation.MOUNTAIN: "#ff0000",
-    Operation.VALLEY: "#0000ff",
-    Operation.RELIEF: "#ff00ff",
-    Operation.CUT: "#000000",
-}
 _HAIRLINE_MM = 0.1
 
 
-def svg_bytes(paths: CutPaths, title: str) -> bytes:
+def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
     """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
 
     SVG's y axis points down, so y is turned around: the picture is not mirrored.
@@ -37,20 +34,28 @@ def svg_bytes(paths: CutPaths, title: str) -> bytes:
         f'viewBox="{box[0]:.6f} {box[1]:.6f} {box[2]:.6f} {box[3]:.6f}">\n'
         f"<title>{escape(title)}</title>\n"
     )
-    groups = [_group(layer, height) for layer in paths.layers]
-    return "".join([head, *groups, "</svg>\n"]).encode("utf-8")
+    chosen = colours or Colours()
+    out = io.BytesIO()
+    out.write(head.encode())
+    for layer in paths.layers:
+        _write_group(out, layer, height, chosen.of(layer.operation).hex)
+    out.write(b"</svg>\n")
+    return out.getvalue()
 
 
-def _group(layer: Layer, height: float) -> str:
+def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str) -> None:
     name = quoteattr(layer.operation)
+    out.write(
+        f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '
+        f'stroke="{colour}" stroke-width="{_HAIRLINE_MM}">\n'.encode()
+    )
     segments = layer.segments.reshape(-1, 4) * [1, -1, 1, -1] + [0, height, 0, height]
-    dashes = ["M%.6f,%.6fL%.6f,%.6f" % tuple(row) for row in segments.tolist()]
-    outlines = []
+    if len(segments):
+        out.write(b'<path d="')
+        write_records(out, [b"M", b",", b"L", b",", b" "], segments)
+        out.write(b'"/>\n')
     for outline in layer.outlines:
         points = (outline * [1, -1] + [0, height]).tolist()
-        outlines.append("M" + "L".join("%.6f,%.6f" % (x, y) for x, y in points) + "Z")
-    drawn = "".join(f'<path d="{d}"/>\n' for d in (" ".join(dashes), *outlines) if d)
-    return (
-        f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '
-        f'stroke="{_COLOURS[layer.operation]}" stroke-width="{_HAIRLINE_MM}">\n{drawn}</g>\n'
-    )
+        path = "M" + "L".join("%.6f,%.6f" % (x, y) for x, y in points) + "Z"
+        out.write(f'<path d="{path}"/>\n'.encode())
+    out.write(b"</g>\n")

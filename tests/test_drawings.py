@@ -1,6 +1,9 @@
-"""DXF and SVG, read back by other programs' readers."""
+"""DXF, SVG and PDF, read back by other programs' readers."""
 
 import io
+import re
+import shutil
+import subprocess
 import xml.etree.ElementTree as ElementTree
 
 import ezdxf
@@ -8,14 +11,21 @@ import ezdxf.bbox
 import numpy as np
 import pytest
 from ezdxf import recover
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from pypdf import PdfReader
 
+from fab.colours import Colour, Colours
 from fab.crease import crease_pattern
 from fab.development import develop
-from fab.dxf import dxf_bytes
+from fab.digits import write_records
+from fab.dxf import DxfVersion, dxf_bytes
 from fab.paths import CutPaths, Layer, Operation
+from fab.pdf import pdf_bytes
 from fab.perforation import PerforationSettings, perforate
 from fab.svg import svg_bytes
-from solver import CurvedFold
+from solver import CurvedFold, InvalidValue
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -95,6 +105,7 @@ def test_svg_shows_the_upper_side_not_its_mirror(paths):
 def test_the_same_paths_give_the_same_bytes(paths):
     assert dxf_bytes(paths) == dxf_bytes(paths)
     assert svg_bytes(paths, "a") == svg_bytes(paths, "a")
+    assert pdf_bytes(paths, "a") == pdf_bytes(paths, "a")
 
 
 def test_empty_layers_are_drawn_as_empty_layers():
@@ -107,3 +118,120 @@ def test_empty_layers_are_drawn_as_empty_layers():
     assert len(document.modelspace()) == 1
     assert "MOUNTAIN" in document.layers
     ElementTree.fromstring(svg_bytes(paths, "square"))
+
+
+def written(*arguments) -> bytes:
+    stream = io.BytesIO()
+    write_records(stream, *arguments)
+    return stream.getvalue()
+
+
+numbers = st.floats(-1e6, 1e6) | st.sampled_from([0.0, -0.0, 0.9999999, -1e-9, 9.9999996, -99.5])
+
+
+@given(arrays(float, st.tuples(st.integers(1, 40), st.integers(1, 5)), elements=numbers))
+def test_records_are_the_numbers_to_six_decimals(rows):
+    text = [b"<", *[b" "] * (rows.shape[1] - 1), b">\n"]
+    lines = written(text, rows).decode().splitlines()
+    back = np.array([[float(x) for x in line[1:-1].split()] for line in lines])
+    assert back == pytest.approx(rows, rel=0, abs=0.5000001e-6)
+    assert len({len(line) for line in lines}) == 1
+
+
+@given(st.integers(1, 30_000), st.integers(0x1000, 0x8000))
+def test_records_count_their_handles(count, first):
+    data = written([b"", b" ", b"\n"], np.zeros((count, 1)), first)
+    handles = [int(line.split()[0], 16) for line in data.decode().splitlines()]
+    assert handles == list(range(first, first + count))
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -4e9])
+def test_numbers_that_cannot_be_written_are_refused(bad):
+    rows = np.array([[1.0, 2.0], [3.0, bad]])
+    with pytest.raises(InvalidValue, match="coordinate"):
+        written([b"", b" ", b"\n"], rows)
+    assert written([b"", b" ", b"\n"], rows[:0]) == b""
+
+
+@pytest.mark.parametrize("version", list(DxfVersion))
+def test_every_version_says_millimetres_and_passes_the_audit(paths, version, caplog):
+    data = dxf_bytes(paths, version=version)
+    assert caplog.records == []
+    document, audit = recover.read(io.BytesIO(data))
+    assert not audit.errors
+    assert not audit.fixes
+    assert document.acad_release == version
+    assert document.header["$INSUNITS"] == 4
+    assert document.header["$MEASUREMENT"] == 1
+    space = document.modelspace()
+    kinds = {"LINE", "POLYLINE" if version is DxfVersion.R12 else "LWPOLYLINE"}
+    assert {e.dxftype() for e in space} == kinds
+    assert [*ezdxf.bbox.extents(space).size.vec2] == pytest.approx(paths.size_mm, abs=1e-6)
+    for layer in paths.layers:
+        assert len(space.query(f'LINE[layer=="{layer.operation}"]')) == len(layer.segments)
+
+
+def test_handles_stay_apart_beside_many_outlines():
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    outlines = tuple(square + np.array([i, 0.0]) for i in range(300))
+    layer = Layer(Operation.CUT, square.reshape(2, 2, 2), outlines)
+    document = ezdxf.read(io.StringIO(dxf_bytes(CutPaths((layer,), (300, 1))).decode()))
+    assert len(document.modelspace()) == 302
+    assert not document.audit().errors
+
+
+OTHER = Colours(mountain=Colour(hex="#123456", aci=30), cut=Colour(hex="#0000ff", aci=5))
+
+
+def test_colours_are_those_that_were_asked_for(paths):
+    document = ezdxf.read(io.StringIO(dxf_bytes(paths, OTHER).decode()))
+    assert [document.layers.get(name).color for name in ("MOUNTAIN", "VALLEY", "CUT")] == [30, 5, 5]
+    groups = ElementTree.fromstring(svg_bytes(paths, "a", OTHER)).findall(f"{SVG}g")
+    assert [g.get("stroke") for g in groups] == ["#123456", "#0000ff", "#0000ff"]
+    content = PdfReader(io.BytesIO(pdf_bytes(paths, "a", OTHER))).pages[0].get_contents().get_data()
+    assert b"0.0706 0.2039 0.3373 RG" in content
+
+
+def test_pdf_is_the_sheet_at_its_size_with_one_layer_per_operation(paths):
+    reader = PdfReader(io.BytesIO(pdf_bytes(paths, 'a "title" ü')))
+    (page,) = reader.pages
+    assert reader.metadata.title == 'a "title" ü'
+    box = np.array([page.mediabox.width, page.mediabox.height], float) * 25.4 / 72
+    assert box == pytest.approx(paths.size_mm, abs=1e-5)
+    names = [group.get_object()["/Name"] for group in reader.root_object["/OCProperties"]["/OCGs"]]
+    assert names == ["MOUNTAIN", "VALLEY", "CUT"]
+    content = page.get_contents().get_data().decode()
+    scale = [float(x) for x in content.split()[:4]]
+    assert scale == pytest.approx([72 / 25.4, 0, 0, 72 / 25.4], abs=1e-11)
+    groups = re.findall(r"/OC /(\w+) BDC\n[^\n]* RG\n(.*?)EMC", content, re.DOTALL)
+    assert [name for name, _ in groups] == names
+    for layer, (_, drawn) in zip(paths.layers, groups, strict=True):
+        lines = re.findall(r"(\S+) (\S+) m (\S+) (\S+) l S\n", drawn)
+        ends = np.array(lines, float).reshape(-1, 2, 2)
+        assert ends == pytest.approx(layer.segments, abs=1e-6)
+        points = re.findall(r"(\S+) (\S+) [ml](?:\n| s\n)", drawn)
+        assert np.array(points, float).reshape(-1, 2) == pytest.approx(
+            np.concatenate([np.empty((0, 2)), *layer.outlines]), abs=1e-6
+        )
+
+
+def test_pdf_is_drawn_by_poppler_where_it_should_be(tmp_path):
+    if shutil.which("pdftoppm") is None:
+        pytest.skip("poppler is not on this machine")
+    square = np.array([[10.0, 20], [60, 20], [60, 90], [10, 90]])
+    paths = CutPaths((Layer(Operation.CUT, outlines=(square,)),), (101.6, 127.0))
+    (tmp_path / "a.pdf").write_bytes(pdf_bytes(paths, "a"))
+    subprocess.run(["pdftoppm", "-r", "254", "-gray", "a.pdf", "a"], cwd=tmp_path, check=True)
+    (picture,) = tmp_path.glob("*.pgm")
+    _, size, _, pixels = picture.read_bytes().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert (width, height) == (1016, 1270)  # ten to the millimetre
+    ink = np.frombuffer(pixels, np.uint8).reshape(height, width) < 200
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    assert np.array([columns[0], columns[-1]]) == pytest.approx([100, 600], abs=1)
+    assert np.array([1270 - rows[-1], 1270 - rows[0]]) == pytest.approx([200, 900], abs=1)
+
+
+def test_sheets_larger_than_a_page_are_refused():
+    with pytest.raises(InvalidValue, match="at most 5080 mm"):
+        pdf_bytes(CutPaths((), (5081.0, 10.0)), "large")

@@ -1,0 +1,90 @@
+"""The test card: on every machine, in every material."""
+
+import numpy as np
+import pytest
+import shapely
+
+from fab.coupon import coupon
+from fab.dxf import dxf_bytes
+from fab.materials import load_machine, load_material, shipped
+from fab.paths import Operation
+from solver.errors import InvalidValue
+
+CASES = [(k, m) for k in shipped("machines") for m in shipped("materials")]
+
+
+def lines(layer):
+    rings = [np.concatenate([outline, outline[:1]]) for outline in layer.outlines]
+    sides = [np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings]
+    return np.concatenate([layer.segments, *sides])
+
+
+@pytest.mark.parametrize(("machine", "material"), CASES)
+def test_the_card_fits_the_bed_and_cuts_nothing_twice(machine, material):
+    machine, material = load_machine(machine), load_material(material)
+    paths = coupon(machine, material)
+    assert (np.array(paths.size_mm) <= machine.room_mm).all()
+    assert [layer.operation for layer in paths.layers] == sorted(
+        {layer.operation for layer in paths.layers}, key=list(Operation).index
+    )
+    every = np.concatenate([lines(layer) for layer in paths.layers])
+    assert every.min() >= 0
+    assert (every.reshape(-1, 2).max(axis=0) <= np.array(paths.size_mm) + 1e-9).all()
+    cut = np.concatenate([lines(la) for la in paths.layers if la.operation != Operation.ENGRAVE])
+    length = np.hypot(*(cut[:, 1] - cut[:, 0]).T)
+    assert length.min() > 0
+    assert shapely.union_all(shapely.linestrings(cut)).length == pytest.approx(length.sum())
+
+
+def test_a_table_of_cuts_and_gaps_around_the_starting_values():
+    material = load_material("card_300gsm")
+    paths = coupon(load_machine("co2_60w_600x400"), material)
+    mountain = next(la for la in paths.layers if la.operation is Operation.MOUNTAIN).segments
+    heights = np.unique(mountain[:, 0, 1].round(6))
+    assert len(heights) == 5  # one row of tongues for each gap
+    shares = np.array([0.5, 0.7, 1, 1.4, 2])
+    for gap, y in zip(1.0 * shares, heights, strict=True):
+        row = mountain[np.abs(mountain[:, 0, 1] - y) < 1e-6][..., 0]
+        cuts, gaps = np.ptp(row, axis=1), row[1:, 0] - row[:-1, 1]
+        assert set(cuts.round(6)) == set((3.0 * shares).round(6))
+        assert (cuts[:-1] <= cuts[1:] + 1e-9).all()  # growing to the right
+        between = gaps > 3  # tongues
+        assert between.sum() == 4
+        assert gaps[~between] == pytest.approx(gap)
+
+
+def test_creases_keep_their_margin_from_the_cuts_around_the_tongue():
+    material = load_material("card_300gsm")
+    paths = coupon(load_machine("co2_60w_600x400"), material)
+    by = {layer.operation: layer for layer in paths.layers}
+    creases = np.concatenate([by[Operation.MOUNTAIN].segments, by[Operation.VALLEY].segments])
+    tree = shapely.STRtree(shapely.linestrings(lines(by[Operation.CUT])))
+    _, near = tree.query_nearest(shapely.linestrings(creases), return_distance=True)
+    assert near.min() == pytest.approx(material.perforation.margin_mm)
+
+
+def test_the_tab_fits_the_slot_that_is_labelled_with_the_kerf():
+    machine, material = load_machine("co2_60w_600x400"), load_material("plywood_3mm")
+    cut = next(la for la in coupon(machine, material).layers if la.operation is Operation.CUT)
+    slots = [outline for outline in cut.outlines if len(outline) == 4][:9]
+    (tab,) = [outline for outline in cut.outlines if len(outline) == 8]
+    width = np.ptp(tab[tab[:, 1] == tab[:, 1].max(), 0])
+    lengths = np.array([np.ptp(slot[:, 1]) for slot in slots])
+    assert np.ptp(slots[0][:, 0]) == pytest.approx(material.thickness_mm)
+    kerfs = (width - lengths) / 2
+    assert kerfs == pytest.approx(np.arange(9) * 0.04)
+    assert kerfs.min() <= machine.kerf_mm <= kerfs.max()
+
+
+def test_whole_line_machines_get_one_line_of_each_letter():
+    paths = coupon(load_machine("diode_10w_400x400"), load_material("card_300gsm"))
+    for letter in (Operation.MOUNTAIN, Operation.VALLEY):
+        (layer,) = [layer for layer in paths.layers if layer.operation is letter]
+        assert len(layer.segments) == 1
+
+
+def test_the_same_card_is_written_alike_and_small_beds_are_refused():
+    machine, material = load_machine("co2_40w_300x200"), load_material("card_300gsm")
+    assert dxf_bytes(coupon(machine, material)) == dxf_bytes(coupon(machine, material))
+    with pytest.raises(InvalidValue, match="bed = 50 x 40 mm"):
+        coupon(machine.model_copy(update={"bed_mm": (60.0, 50.0)}), material)
