@@ -63,6 +63,10 @@ class _Faces:
         corners = pattern.vertices_coords[pattern.faces_vertices]
         starts = pattern.faces_offsets[:-1]
         self.areas = ring_areas(corners, pattern.faces_offsets)
+        self.low = np.minimum.reduceat(corners, starts)
+        self.high = np.maximum.reduceat(corners, starts)
+        ends = pattern.vertices_coords[pattern.edges_vertices]
+        self.tab = float(np.hypot(*(sheet.reach - ends[:, None]).reshape(-1, 2).T).max())
         self.centres = np.add.reduceat(corners, starts) / np.diff(pattern.faces_offsets)[:, None]
         one, two = pattern.edges_faces[sheet.joined].T
         length = np.hypot(*(self.centres[one] - self.centres[two]).T)
@@ -107,7 +111,14 @@ class _Faces:
 
     def valid(self, faces: IntArray) -> bool:
         """Whether a set that is joined fits the bed and does not overlap itself."""
-        return not self.overlap(faces) and upright(self.extent(faces), self.sheet.room_mm)[1]
+        if self.overlap(faces):
+            return False
+        return self.small(faces) or upright(self.extent(faces), self.sheet.room_mm)[1]
+
+    def small(self, faces: IntArray) -> bool:
+        """Whether a set fits, tabs and all, however it is turned."""
+        span = self.high[faces].max(axis=0) - self.low[faces].min(axis=0) + 2 * self.tab
+        return bool(np.hypot(*span) <= min(self.sheet.room_mm))
 
     def valid_parts(self, faces: IntArray) -> bool:
         """Whether each part of the set is valid."""
@@ -166,27 +177,23 @@ def partition(sheet: Sheet) -> list[IntArray]:
             continue
         _require_room(faces, part)
         pieces += _merged(faces, _divided(faces, part))
-    pieces = _evened(faces, _unpinched(faces, pieces))
-    return sorted(pieces, key=lambda piece: int(piece[0]))
+    return sorted(_unpinched(faces, pieces), key=lambda piece: int(piece[0]))
 
 
 def _require_room(faces: _Faces, part: IntArray) -> None:
     """Raise `InvalidValue` for the first face that cannot be a piece of its own."""
-    pattern, (width, height) = faces.sheet.pattern, faces.sheet.room_mm
-    for face in part.tolist():
-        alone = np.array([face])
-        points = pattern.vertices_coords[
-            pattern.faces_vertices[pattern.faces_offsets[face] : pattern.faces_offsets[face + 1]]
-        ]
-        reach = float(np.hypot(*np.ptp(points, axis=0)))
-        tab = np.abs(faces.sheet.reach - pattern.vertices_coords[pattern.edges_vertices][:, None])
-        if reach + 4 * tab.max() <= min(width, height) and not len(faces.overlaps):
-            continue
-        if faces.overlap(alone):
-            raise InvalidValue(
-                f"face {face}", "an outline that crosses itself", "be a plain polygon", "Repair it."
-            )
-        points = faces.extent(alone)
+    width, height = faces.sheet.room_mm
+    crossed = faces.overlaps[faces.overlaps[:, 0] == faces.overlaps[:, 1], 0]
+    if len(crossed):
+        raise InvalidValue(
+            f"outline of face {crossed[0]}",
+            "crossing itself",
+            "be a plain polygon",
+            "Split the face where its sides cross.",
+        )
+    span = faces.high[part] - faces.low[part] + 2 * faces.tab
+    for face in part[np.hypot(*span.T) > min(width, height)].tolist():
+        points = faces.extent(np.array([face]))
         turn, fits = upright(points, faces.sheet.room_mm)
         if not fits:
             box = np.ptp(points @ turn.T, axis=0)
@@ -216,7 +223,9 @@ def _ways(faces: _Faces, part: IntArray) -> Iterator[list[IntArray]]:
     for across in (0, 1):
         for limit in sorted(set(faces.sheet.room_mm), reverse=True):
 
-            def narrow(run: IntArray, axis: FloatArray = turn[across], width: float = limit) -> bool:
+            def narrow(
+                run: IntArray, axis: FloatArray = turn[across], width: float = limit
+            ) -> bool:
                 return bool(np.ptp(faces.extent(run) @ axis) <= width * (1 + _SLACK_REL))
 
             columns = _runs(faces, part, faces.centres[part] @ turn[across], narrow, np.inf)
@@ -259,7 +268,7 @@ def _runs(
     ordered, place = part[order], field[order]
     area = np.concatenate([[0.0], np.cumsum(faces.areas[ordered])])
 
-    def greedy(most: float, near: int) -> list[IntArray]:
+    def greedy(most: float, near: int, most_runs: float) -> list[IntArray]:
         runs, begin = [], 0
         while begin < len(ordered):
             end = int(np.searchsorted(area, area[begin] + most * (1 + _SLACK_REL), "right")) - 1
@@ -275,12 +284,15 @@ def _runs(
                 end = first + int(np.argmax(np.diff(place[first - 1 : end + 1])))
             runs.append(ordered[begin:end])
             begin = end
+            if len(runs) > most_runs:
+                break
         return runs
 
-    fewest = greedy(most_area, 0)
+    fewest = greedy(most_area, 0, np.inf)
     for uneven in _UNEVEN:
         for near in (8, 0):
-            even = greedy(min(most_area, area[-1] / len(fewest) * (1 + uneven)), near)
+            most = min(most_area, area[-1] / len(fewest) * (1 + uneven))
+            even = greedy(most, near, len(fewest))
             if len(even) <= len(fewest):
                 return even
     return fewest
@@ -348,8 +360,3 @@ def _have_vertex(faces: _Faces, piece: IntArray, vertex: int) -> BoolArray:
     hit = np.logical_or.reduceat(pattern.faces_vertices == vertex, pattern.faces_offsets[:-1])
     out: BoolArray = hit[piece]
     return out
-
-
-def _evened(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
-    """Faces handed from larger to smaller neighbours where no seam grows longer by it."""
-    return pieces

@@ -1,6 +1,6 @@
 """Which pieces is a sheet cut into, and how are they glued together again?
 
-    pattern -> sets of faces -> seams -> tabs -> pieces with labels, each a pattern of its own
+pattern -> sets of faces -> seams -> tabs -> pieces with labels, each a pattern of its own
 """
 
 from __future__ import annotations
