@@ -71,9 +71,9 @@ class _Faces:
         one, two = pattern.edges_faces[sheet.joined].T
         length = np.hypot(*(self.centres[one] - self.centres[two]).T)
         length = np.maximum(length, 1e-12 * max(sheet.room_mm))
-        ends = (np.concatenate([one, two]), np.concatenate([two, one]))
+        pairs = (np.concatenate([one, two]), np.concatenate([two, one]))
         shape = (self.count, self.count)
-        self.graph = csr_array((np.concatenate([length, length]), ends), shape=shape)
+        self.graph = csr_array((np.concatenate([length, length]), pairs), shape=shape)
         self.overlaps = overlapping_faces(
             pattern.vertices_coords, pattern.faces_vertices, pattern.faces_offsets, pattern.edges
         )

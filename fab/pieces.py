@@ -107,8 +107,9 @@ class Pieces:
     def glue_up(self) -> list[tuple[int, str, str, float]]:
         """One row for each seam, in the order of assembling: label, both pieces, length in mm."""
         return [
-            (seam.label, *(self.pieces[i].name for i in seam.pieces), seam.length_mm)
+            (seam.label, self.pieces[one].name, self.pieces[two].name, seam.length_mm)
             for seam in self.seams
+            for one, two in [seam.pieces]
         ]
 
 
@@ -165,7 +166,7 @@ def split(
         for number, faces in enumerate(sets)
     )
     made = Pieces(pieces, _numbered(pattern, pieces, seams, side))
-    return made, _findings(pattern, made, settings)
+    return made, _findings(made, settings)
 
 
 def _closing_edges(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
@@ -281,6 +282,7 @@ def _tabs(
     piece_key, group = np.unique(owner[face] * nv + corners, return_inverse=True)
     in_piece = np.bincount(group, angles)
     inside = in_piece[np.searchsorted(piece_key, seams.pieces[:, :, None] * nv + seams.vertices)]
+    gaps: FloatArray = 2 * np.pi - inside
     across = seams.faces[:, ::-1, None] * nv + seams.vertices[:, ::-1, ::-1]
     beyond_angles = angles[by_face[np.searchsorted(face_key[by_face], across)]]
     ends = coords[seams.vertices]
@@ -293,7 +295,7 @@ def _tabs(
         ],
         axis=1,
     )
-    banks = Banks(ends, seams.vertices, seams.pieces, 2 * np.pi - inside, beyond, beyond_angles)
+    banks = Banks(ends, seams.vertices, seams.pieces, gaps, beyond, beyond_angles)
     return placed_tabs(
         banks, settings.tab_mm, settings.tab_angle_deg, shapes, owner, face_key[by_face], nv
     )
@@ -491,7 +493,7 @@ def _numbered(
     )
 
 
-def _findings(pattern: CreasePattern, made: Pieces, settings: SheetSplit) -> list[Finding]:
+def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
     findings = []
     if len(made.pieces) > 1:
         text = (

@@ -3,7 +3,7 @@
 A tab is a trapezoid on one of the two pieces, to be glued under the face across the seam:
 
         b---------a      edge of the piece, its face above
-         \\       /
+         \       /
           q-----p        height by setting; both mitres leave the neighbours' room free
 """
 
