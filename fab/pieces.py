@@ -282,7 +282,7 @@ def _tabs(
     piece_key, group = np.unique(owner[face] * nv + corners, return_inverse=True)
     in_piece = np.bincount(group, angles)
     inside = in_piece[np.searchsorted(piece_key, seams.pieces[:, :, None] * nv + seams.vertices)]
-    gaps: FloatArray = 2 * np.pi - inside
+    gaps = np.asarray(2 * np.pi - inside, np.float64)
     across = seams.faces[:, ::-1, None] * nv + seams.vertices[:, ::-1, ::-1]
     beyond_angles = angles[by_face[np.searchsorted(face_key[by_face], across)]]
     ends = coords[seams.vertices]

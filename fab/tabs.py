@@ -1,4 +1,4 @@
-"""Where does a glue tab stand on a seam, and how large may it be?
+r"""Where does a glue tab stand on a seam, and how large may it be?
 
 A tab is a trapezoid on one of the two pieces, to be glued under the face across the seam:
 
