@@ -21,7 +21,7 @@ from fab.polygons import ring_areas
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Sheet", "partition", "upright"]
+__all__ = ["Sheet", "extent", "partition", "upright"]
 
 # Rounding must not refuse a piece that is exactly as large as the bed.
 _SLACK_REL = 1e-9
@@ -85,35 +85,17 @@ class _Faces:
         order = np.argsort(part, kind="stable")
         return np.split(faces[order], np.searchsorted(part[order], np.arange(1, count)))
 
-    def mask(self, faces: IntArray) -> BoolArray:
-        """Which faces are in the set; one more entry, for the face -1 that is in none."""
-        mask = np.zeros(self.count + 1, bool)
-        mask[faces] = True
-        return mask
-
-    def outline(self, faces: IntArray) -> tuple[IntArray, IntArray]:
-        """Edges with the set on one side alone, and on which, 0 for the first face's."""
-        inside = self.mask(faces)[self.sheet.pattern.edges_faces]
-        edges = np.flatnonzero(inside[:, 0] != inside[:, 1])
-        return edges, np.where(inside[edges, 0], 0, 1)
-
-    def extent(self, faces: IntArray) -> FloatArray:
-        """Points whose hull holds the faces with tabs on all their seams, shape (n, 2)."""
-        sheet = self.sheet
-        edges, side = self.outline(faces)
-        seam = sheet.joined[edges] | sheet.glued[edges]
-        ends = sheet.pattern.vertices_coords[sheet.pattern.edges_vertices[edges]]
-        return np.concatenate([ends, sheet.reach[edges[seam], side[seam]]]).reshape(-1, 2)
-
     def overlap(self, faces: IntArray) -> bool:
         """Whether two faces of the set overlap."""
-        return len(self.overlaps) > 0 and bool(self.mask(faces)[self.overlaps].all(axis=1).any())
+        if not len(self.overlaps):
+            return False
+        return bool(_mask(faces, self.count)[self.overlaps].all(axis=1).any())
 
     def valid(self, faces: IntArray) -> bool:
         """Whether a set that is joined fits the bed and does not overlap itself."""
         if self.overlap(faces):
             return False
-        return self.small(faces) or upright(self.extent(faces), self.sheet.room_mm)[1]
+        return self.small(faces) or upright(extent(self.sheet, faces), self.sheet.room_mm)[1]
 
     def small(self, faces: IntArray) -> bool:
         """Whether a set fits, tabs and all, however it is turned."""
@@ -126,11 +108,33 @@ class _Faces:
 
     def pinched(self, faces: IntArray) -> IntArray:
         """Vertices in which the set's outline touches itself."""
-        edges, side = self.outline(faces)
+        edges, side = _outline(self.sheet, faces)
         starts = self.sheet.pattern.edges_vertices[edges, side]
         vertices, times = np.unique(starts, return_counts=True)
         out: IntArray = vertices[times > 1]
         return out
+
+
+def _mask(faces: IntArray, count: int) -> BoolArray:
+    """Which of `count` faces are in the set; one more entry, for the face -1 that is in none."""
+    mask = np.zeros(count + 1, bool)
+    mask[faces] = True
+    return mask
+
+
+def _outline(sheet: Sheet, faces: IntArray) -> tuple[IntArray, IntArray]:
+    """Edges with the set on one side alone, and on which, 0 for the first face's."""
+    inside = _mask(faces, sheet.pattern.face_count)[sheet.pattern.edges_faces]
+    edges = np.flatnonzero(inside[:, 0] != inside[:, 1])
+    return edges, np.where(inside[edges, 0], 0, 1)
+
+
+def extent(sheet: Sheet, faces: IntArray) -> FloatArray:
+    """Points whose hull holds a set of faces with tabs on all its seams, shape (n, 2)."""
+    edges, side = _outline(sheet, faces)
+    seam = sheet.joined[edges] | sheet.glued[edges]
+    ends = sheet.pattern.vertices_coords[sheet.pattern.edges_vertices[edges]]
+    return np.concatenate([ends, sheet.reach[edges[seam], side[seam]]]).reshape(-1, 2)
 
 
 def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArray, bool]:
@@ -176,7 +180,7 @@ def partition(sheet: Sheet) -> list[IntArray]:
             pieces.append(part)
             continue
         _require_room(faces, part)
-        pieces += _merged(faces, _divided(faces, part))
+        pieces += _divided(faces, part)
     return sorted(_unpinched(faces, pieces), key=lambda piece: int(piece[0]))
 
 
@@ -193,7 +197,7 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
         )
     span = faces.high[part] - faces.low[part] + 2 * faces.tab
     for face in part[np.hypot(*span.T) > min(width, height)].tolist():
-        points = faces.extent(np.array([face]))
+        points = extent(faces.sheet, np.array([face]))
         turn, fits = upright(points, faces.sheet.room_mm)
         if not fits:
             box = np.ptp(points @ turn.T, axis=0)
@@ -209,7 +213,9 @@ def _divided(faces: _Faces, part: IntArray) -> list[IntArray]:
     """The best of several ways to cut a joined set into valid ones."""
     best: list[IntArray] = []
     rank: tuple[float, ...] = ()
-    for sets in _ways(faces, part):
+    room = faces.sheet.room_mm[0] * faces.sheet.room_mm[1]
+    for way in _ways(faces, part):
+        sets = _merged(faces, way) if len(way) > np.ceil(faces.areas[part].sum() / room) else way
         areas = np.array([faces.areas[one].sum() for one in sets])
         new = (len(sets), float(areas.max() / areas.mean()))
         if not best or new < rank:
@@ -219,14 +225,14 @@ def _divided(faces: _Faces, part: IntArray) -> list[IntArray]:
 
 def _ways(faces: _Faces, part: IntArray) -> Iterator[list[IntArray]]:
     """Columns across the sheet, each cut into rows; or runs away from the sheet's far end."""
-    turn, _ = upright(faces.extent(part), faces.sheet.room_mm)
+    turn, _ = upright(extent(faces.sheet, part), faces.sheet.room_mm)
     for across in (0, 1):
         for limit in sorted(set(faces.sheet.room_mm), reverse=True):
 
             def narrow(
                 run: IntArray, axis: FloatArray = turn[across], width: float = limit
             ) -> bool:
-                return bool(np.ptp(faces.extent(run) @ axis) <= width * (1 + _SLACK_REL))
+                return bool(np.ptp(extent(faces.sheet, run) @ axis) <= width * (1 + _SLACK_REL))
 
             columns = _runs(faces, part, faces.centres[part] @ turn[across], narrow, np.inf)
             yield [
@@ -337,6 +343,9 @@ def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     queue, done = list(pieces), []
     while queue:
         piece = queue.pop()
+        if len(piece) > 1 and not faces.valid(piece):  # a new seam's tabs may need more room
+            queue += _divided(faces, piece)
+            continue
         pinched = faces.pinched(piece)
         if not len(pinched):
             done.append(piece)

@@ -18,7 +18,7 @@ from scipy.spatial import cKDTree
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
 from fab.errors import Finding, Severity
 from fab.labels import Label, fitted
-from fab.partition import Sheet, partition, upright
+from fab.partition import Sheet, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
 from solver.errors import InvalidValue, require_positive
@@ -162,7 +162,7 @@ def split(
     seams = _seams(pattern, owner, joined, closing, closing_angle)
     side, tops = _tabs(pattern, owner, seams, settings)
     pieces = tuple(
-        _piece(pattern, number, faces, seams, side, tops, (width, height), settings)
+        _piece(sheet, number, faces, seams, side, tops, settings)
         for number, faces in enumerate(sets)
     )
     made = Pieces(pieces, _numbered(pattern, pieces, seams, side))
@@ -314,16 +314,16 @@ def _moved(shapes: np.ndarray, start: np.ndarray, goal: np.ndarray) -> np.ndarra
 
 
 def _piece(
-    pattern: CreasePattern,
+    sheet: Sheet,
     number: int,
     faces: IntArray,
     seams: _Seams,
     side: IntArray,
     tops: FloatArray,
-    room_mm: tuple[float, float],
     settings: SheetSplit,
 ) -> Piece:
     """The pattern of a set of faces and its tabs, laid upright, and what is engraved on it."""
+    pattern = sheet.pattern
     sizes = np.diff(pattern.faces_offsets)[faces]
     mine = np.zeros(pattern.face_count, bool)
     mine[faces] = True
@@ -336,7 +336,9 @@ def _piece(
     offsets = np.concatenate([[0], np.cumsum(np.concatenate([sizes, np.full(len(a), 4)]))])
     edges = edges_of(corners, offsets)
     coords = np.concatenate([pattern.vertices_coords[used], tops[carried].reshape(-1, 2)])
-    turn, _ = upright(coords, room_mm)
+    turn, fits = upright(coords, sheet.room_mm)
+    if not fits:  # the turn that the partition found, with room for all tabs
+        turn, _ = upright(extent(sheet, faces), sheet.room_mm)
     coords = coords @ turn.T
     coords -= coords.min(axis=0)
     whole = _whole_edges(pattern, used, mine, edges.edges_vertices)
