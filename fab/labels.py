@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 import shapely
@@ -41,16 +41,21 @@ class Label:
     angle_deg: float
 
 
+@cache
+def _capital() -> float:
+    """Height of digits, points."""
+    return float(TextPath((0, 0), "0", size=_EM, prop=_FONT).get_extents().height)
+
+
 @lru_cache(maxsize=4096)
 def _glyphs(text: str) -> tuple[FloatArray, ...]:
     """Closed outlines of a text, capitals one high, its middle at the origin."""
-    capital = TextPath((0, 0), "0", size=_EM, prop=_FONT).get_extents()
     rings = TextPath((0, 0), text, size=_EM, prop=_FONT).to_polygons(closed_only=True)
     if not rings:
         return ()
     every = np.concatenate(rings)
     middle = (every.min(axis=0) + every.max(axis=0)) / 2
-    return tuple((np.asarray(ring)[:-1] - middle) / capital.height for ring in rings)
+    return tuple((np.asarray(ring)[:-1] - middle) / _capital() for ring in rings)
 
 
 def text_width(text: str) -> float:

@@ -30,6 +30,11 @@ _TURNS = np.arange(180) * (np.pi / 180)
 _MOST_SIDES = 400
 # Runs may be larger than even by these shares, where that saves a piece.
 _UNEVEN = (0.0, 0.03, 0.1, 0.25)
+# Neighbours are cut anew where the smaller has less than this share of the larger's area, which
+# must lose some of its own by it.
+_EVEN_ENOUGH = 0.8
+_GAIN = 0.95
+_ROUNDS = 4
 
 
 @dataclass(frozen=True)
@@ -181,7 +186,8 @@ def partition(sheet: Sheet) -> list[IntArray]:
             continue
         _require_room(faces, part)
         pieces += _divided(faces, part)
-    return sorted(_unpinched(faces, pieces), key=lambda piece: int(piece[0]))
+    pieces = _evened(faces, _unpinched(faces, pieces))
+    return sorted(pieces, key=lambda piece: int(piece[0]))
 
 
 def _require_room(faces: _Faces, part: IntArray) -> None:
@@ -369,3 +375,53 @@ def _have_vertex(faces: _Faces, piece: IntArray, vertex: int) -> BoolArray:
     hit = np.logical_or.reduceat(pattern.faces_vertices == vertex, pattern.faces_offsets[:-1])
     out: BoolArray = hit[piece]
     return out
+
+
+def _evened(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
+    """The same number of pieces, neighbours of unequal areas cut anew along another line."""
+    pieces = list(pieces)
+    owner = np.full(faces.count + 1, -1)
+    ends = faces.sheet.pattern.edges_faces[faces.sheet.joined]
+    for _ in range(_ROUNDS):
+        for number, piece in enumerate(pieces):
+            owner[piece] = number
+        beside = np.unique(np.sort(owner[ends], axis=1), axis=0)
+        area = np.array([faces.areas[piece].sum() for piece in pieces])
+        beside = beside[beside[:, 0] != beside[:, 1]]
+        unequal = np.argsort(-np.abs(np.diff(area[beside], axis=1)[:, 0]), kind="stable")
+        changed: set[int] = set()
+        for one, two in beside[unequal].tolist():
+            if (
+                changed & {one, two}
+                or area[[one, two]].min() >= _EVEN_ENOUGH * area[[one, two]].max()
+            ):
+                continue
+            halves = _halves(faces, pieces[one], pieces[two])
+            if halves:
+                pieces[one], pieces[two] = halves
+                changed |= {one, two}
+        if not changed:
+            break
+    return pieces
+
+
+def _halves(faces: _Faces, one: IntArray, two: IntArray) -> list[IntArray]:
+    """Two neighbours cut anew across the line between their centres; none if it does not help."""
+    both = np.sort(np.concatenate([one, two]))
+    weight = faces.areas[:, None]
+    centre = [(faces.centres[s] * weight[s]).sum(axis=0) / weight[s].sum() for s in (one, two)]
+    sizes = [float(weight[s].sum()) for s in (one, two)]
+    order = both[np.argsort(faces.centres[both] @ (centre[1] - centre[0]), kind="stable")]
+    area = np.cumsum(faces.areas[order])
+    for share in (0.5, 0.25 + 0.5 * sizes[0] / sum(sizes)):
+        end = min(int(np.argmin(np.abs(area - share * area[-1]))) + 1, len(order) - 1)
+        parts = faces.components(order[:end])
+        first = max(parts, key=lambda part: float(faces.areas[part].sum()))
+        halves = [first, np.setdiff1d(both, first)]
+        if (
+            max(float(weight[s].sum()) for s in halves) < _GAIN * max(sizes)
+            and len(faces.components(halves[1])) == 1
+            and all(faces.valid(s) and not len(faces.pinched(s)) for s in halves)
+        ):
+            return halves
+    return []
