@@ -433,7 +433,8 @@ def _labels(
     ]
     real = int((faces >= 0).sum())
     outline = _outline(own, real, rooms)
-    disk = shapely.get_coordinates(shapely.maximum_inscribed_circle(outline, tolerance=0.05))
+    near = 0.1 * outline.area / outline.length  # a tenth of a long strip's half width
+    disk = shapely.get_coordinates(shapely.maximum_inscribed_circle(outline, tolerance=near))
     seam, bank = np.nonzero(seams.pieces == number)
     edge = _numbers_of(whole, seams.edges[seam, bank])
     face = own.edges_faces[edge, 0]
