@@ -217,7 +217,10 @@ def overlapping_faces(
     A sheet of one piece whose faces all turn the same way and whose outline does not cross itself
     cannot overlap; only where that fails are the faces compared pair by pair.
     """
-    loops = boundary_loops(edges)
+    try:
+        loops = boundary_loops(edges)
+    except InvalidValue:  # an outline that touches itself in a vertex proves nothing
+        loops = []
     areas = ring_areas(flat[corner], offsets)
     same_way = len(loops) == 1 and areas.min() > 0
     if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):

@@ -1,0 +1,133 @@
+"""What is engraved on a piece so that a person finds where it belongs?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+
+import numpy as np
+import shapely
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+
+from fab.paths import Layer, Operation
+from solver.vectors import FloatArray
+
+__all__ = ["Label", "engraved", "fitted", "text_outlines", "text_width"]
+
+# The sans serif font that comes with matplotlib, so that every machine writes alike.
+_FONT = FontProperties(family="DejaVu Sans")
+# Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
+_EM = 100.0
+_SHRINK = 0.8
+_MOST_STEPS = 60
+
+
+@dataclass(frozen=True)
+class Label:
+    """Text on a piece.
+
+    Attributes
+    ----------
+    at : middle of the text, mm.
+    height_mm : of capitals and digits.
+    angle_deg : direction in which it is read, from x towards y.
+    """
+
+    text: str
+    at: tuple[float, float]
+    height_mm: float
+    angle_deg: float
+
+
+@cache
+def _capital() -> float:
+    """Height of digits, points."""
+    return float(TextPath((0, 0), "0", size=_EM, prop=_FONT).get_extents().height)
+
+
+@lru_cache(maxsize=4096)
+def _glyphs(text: str) -> tuple[FloatArray, ...]:
+    """Closed outlines of a text, capitals one high, its middle at the origin."""
+    rings = TextPath((0, 0), text, size=_EM, prop=_FONT).to_polygons(closed_only=True)
+    if not rings:
+        return ()
+    every = np.concatenate(rings)
+    middle = (every.min(axis=0) + every.max(axis=0)) / 2
+    return tuple((np.asarray(ring)[:-1] - middle) / _capital() for ring in rings)
+
+
+def text_width(text: str) -> float:
+    """Width of a text whose capitals are one high."""
+    rings = _glyphs(text)
+    return float(np.ptp(np.concatenate(rings)[:, 0])) if rings else 0.0
+
+
+def text_outlines(
+    text: str, height_mm: float, at: tuple[float, float], angle_deg: float
+) -> tuple[FloatArray, ...]:
+    """Letters as closed outlines, each of shape (m, 2), the first vertex not repeated.
+
+    height_mm : of capitals and digits; at : middle of the text; angle_deg : in which it is read.
+    """
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    turn = height_mm * np.array([[c, -s], [s, c]])
+    return tuple(ring @ turn.T + np.array(at) for ring in _glyphs(text))
+
+
+def engraved(labels: Sequence[Label]) -> Layer:
+    """The lines of labels."""
+    outlines = (
+        outline
+        for label in labels
+        for outline in text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
+    )
+    return Layer(Operation.ENGRAVE, outlines=tuple(outlines))
+
+
+def fitted(
+    texts: Sequence[str],
+    anchors: FloatArray,
+    angles: FloatArray,
+    rooms: Sequence[shapely.Polygon],
+    height_mm: FloatArray,
+    hang: FloatArray,
+) -> tuple[Label, ...]:
+    """Labels as high as asked for, or smaller until each lies in its room and clear of the others.
+
+    Parameters
+    ----------
+    anchors, angles : point (n, 2) and direction (n,), radians, that a text stands on.
+    rooms : the polygon that each must stay in.
+    height_mm : the greatest heights, shape (n,).
+    hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
+    """
+    height = np.array(height_mm, float)
+    if not len(height):
+        return ()
+    width = np.array([text_width(text) for text in texts]) + 0.4
+    u = np.column_stack([np.cos(angles), np.sin(angles)])
+    v = np.column_stack([-u[:, 1], u[:, 0]])
+    space = np.asarray(rooms)
+    shapely.prepare(space)
+    for _ in range(_MOST_STEPS):
+        middle = anchors + (hang * height)[:, None] * v
+        x, y = (0.5 * width * height)[:, None] * u, (0.6 * height)[:, None] * v
+        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
+        boxes = shapely.polygons(ring)
+        bad = ~shapely.covers(space, boxes)
+        one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+        # the larger of two gives way first
+        clash = (one != two) & (height[one] >= height[two])
+        bad[one[clash]] = True
+        if not bad.any():
+            break
+        height[bad] *= _SHRINK
+    middle = anchors + (hang * height)[:, None] * v
+    return tuple(
+        Label(text, (x, y), h, angle)
+        for text, (x, y), h, angle in zip(
+            texts, middle.tolist(), height.tolist(), np.degrees(angles).tolist(), strict=True
+        )
+    )
