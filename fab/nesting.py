@@ -1,7 +1,7 @@
 """Where does each piece lie, and on which sheet of the bed's size?
 
-Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons; what it
-answers is checked here, and boxes side by side take the place of an answer that does not hold.
+Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons. What it
+answers is checked here; where it does not hold, boxes side by side, or one piece alone, do.
 """
 
 from __future__ import annotations
@@ -22,11 +22,14 @@ __all__ = ["Placement", "Placements", "nest", "sheets"]
 # Gaps and borders may fall short by the rounding of coordinates, in mm.
 _ROUNDING_MM = 1e-9
 # No-fit polygons of concave outlines cost the square of their corners.
-_MOST_CORNERS = 32
+_MOST_CORNERS = 20
 # A piece that fills so much of its convex hull is placed as its hull.
 _NEARLY_CONVEX = 0.95
 # What is offered to a sheet at once, in areas of the sheet: more fills its gaps, and takes longer.
 _OFFERED = 1.1
+# Up to so many pieces a sheet is worth a search, of so many rounds.
+_SEARCHED = 16
+_ITERATIONS = 10
 # Boxes turned by less, in degrees, are the same box.
 _SAME_TURN_DEG = 1e-4
 
@@ -188,7 +191,7 @@ def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray)
     if not (polygon.is_valid and polygon.area > 0):
         raise InvalidValue(
             f"outline {number}",
-            shapely.is_valid_reason(polygon) if polygon.area > 0 else "without area",
+            "without area" if polygon.is_valid else shapely.is_valid_reason(polygon),
             "be a polygon with area that does not cross itself",
             "Split the piece where it overlaps itself.",
         )
@@ -261,56 +264,80 @@ def _offer(order: IntArray, left: IntArray, area: list[float], room: FloatArray)
 
 
 def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: float) -> list[_Spot]:
-    """One sheet, at least one piece on it: outlines, else boxes, else the largest piece alone."""
+    """One sheet: the answer that covers most of those that hold, at least the largest piece alone.
+
+    Outlines side by side ("nfp"), boxes side by side ("blf"), and, where not all lie there yet and
+    they are few, a search over orders and turns of the outlines ("alns").
+    """
+
+    def covered(spots: list[_Spot]) -> float:
+        return float(sum(pieces[spot.piece].outline.area for spot in spots))
+
     numbers = np.flatnonzero(offered).tolist()
-    wanted = [
-        (n, pieces[n].envelope, pieces[n].turns_deg.tolist(), int(offered[n])) for n in numbers
-    ]
-    found = [
-        _Spot(n, pieces[n].turns[_nearest_turn(angle, pieces[n].turns_deg)], shift)
-        for n, angle, shift in _solve(wanted, "nfp", room, gap_mm)
-    ]
-    if found and _holds(pieces, found, room, gap_mm):
-        return _to_corner(pieces, found)
-    boxes = [(n, pieces[n].box, [0.0, 90.0], int(offered[n])) for n in numbers]
-    found = [
-        _Spot(n, pieces[n].turns[round(angle / 90.0) % 4], shift)
-        for n, angle, shift in _solve(boxes, "blf", room, gap_mm)
-    ]
-    if found and _holds(pieces, found, room, gap_mm):
-        return _to_corner(pieces, found)
     largest = max(numbers, key=lambda n: pieces[n].outline.area)
-    return _to_corner(pieces, [_Spot(largest, pieces[largest].turns[0], np.zeros(2))])
-
-
-def _nearest_turn(angle_deg: float, turns_deg: FloatArray) -> int:
-    return int(np.argmin(np.abs((turns_deg - angle_deg + 180.0) % 360.0 - 180.0)))
+    best = [_Spot(largest, pieces[largest].turns[0], np.zeros(2))]
+    for strategy in ("nfp", "blf", "alns"):
+        if len(best) == offered.sum() or (strategy == "alns" and offered.sum() > _SEARCHED):
+            break
+        boxes = strategy == "blf"
+        wanted = [
+            (
+                n,
+                piece.box if boxes else piece.envelope,
+                piece.turns_deg - boxes * piece.turns_deg[0],
+            )
+            for n, piece in ((n, pieces[n]) for n in numbers)
+        ]
+        spots = [
+            _Spot(n, pieces[n].turns[turn], shift)
+            for n, turn, shift in _solve(wanted, offered, strategy, room, gap_mm)
+        ]
+        if covered(spots) > covered(best) and _holds(pieces, spots, room, gap_mm):
+            best = spots
+    return _to_corner(pieces, best)
 
 
 def _solve(
-    wanted: list[tuple[int, shapely.Polygon, list[float], int]],
+    wanted: list[tuple[int, shapely.Polygon, FloatArray]],
+    offered: IntArray,
     strategy: str,
     room: FloatArray,
     gap_mm: float,
-) -> list[tuple[int, float, FloatArray]]:
-    """Piece, angle in degrees and shift of all that fits on one sheet; empty where refused."""
+) -> list[tuple[int, int, FloatArray]]:
+    """Piece, number of its turn and shift of all that fits on one sheet; empty where refused.
+
+    wanted : piece, its shape and the angles that it may take, in degrees.
+    """
+    settings = {"strategy": strategy, "spacing": float(gap_mm), "time_limit_ms": 0}
+    if strategy == "alns":
+        settings |= {"seed": 1, "max_iterations": _ITERATIONS}
     result = u_nesting.solve_2d(
         [
             {
                 "id": str(number),
                 "polygon": shapely.get_coordinates(shape.exterior)[:-1].tolist(),
-                "rotations": turns_deg,
-                "quantity": count,
+                "rotations": turns_deg.tolist(),
+                "quantity": int(offered[number]),
             }
-            for number, shape, turns_deg, count in wanted
+            for number, shape, turns_deg in wanted
         ],
         {"width": float(room[0]), "height": float(room[1])},
-        {"strategy": strategy, "spacing": float(gap_mm), "time_limit_ms": 0},
+        settings,
     )
+    angles = {number: turns_deg for number, _, turns_deg in wanted}
     return [
-        (int(at["geometry_id"]), float(np.degrees(at["rotation"][0])), np.array(at["position"]))
+        (
+            number,
+            _nearest_turn(np.degrees(at["rotation"][0]), angles[number]),
+            np.array(at["position"]),
+        )
         for at in result["placements"]
+        for number in [int(at["geometry_id"])]
     ]
+
+
+def _nearest_turn(angle_deg: float, turns_deg: FloatArray) -> int:
+    return int(np.argmin(np.abs((turns_deg - angle_deg + 180.0) % 360.0 - 180.0)))
 
 
 def _lying(pieces: list[_Piece], spots: list[_Spot]) -> list[shapely.Polygon]:
