@@ -247,7 +247,7 @@ def _envelope(polygon: shapely.Polygon) -> shapely.Polygon:
     while len(around.exterior.coords) > _MOST_CORNERS + 1:
         coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
         around = shapely.Polygon(coarse.exterior).simplify(0.0)
-        tolerance *= 1.5
+        tolerance *= 1.2
     return around if around.contains(filled) or around is shape else hull
 
 

@@ -101,7 +101,7 @@ def pieces_of(mesh, parts):
     ("outlines", "copies", "at_least"),
     [
         (pieces_of(Miura(columns=20, rows=12, fold=1.0).grow().mesh, 6), 3, 0.5),
-        (pieces_of(CurvedFold(columns=40, step=0.05).grow().mesh, 5), 3, 0.4),
+        (pieces_of(CurvedFold(columns=40, step=0.05).grow().mesh, 5), 3, 0.33),
         (stars(20, 1), 2, 0.45),
         ([ANGLE], 40, 0.45),
     ],
