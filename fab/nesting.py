@@ -110,9 +110,8 @@ def nest(
     """Place `copies` of every piece on as few sheets as a greedy filling needs.
 
     Pieces turn by multiples of 90 degrees from where their box is least, or from where they are if
-    they fit the bed only so.
-    Each sheet takes the largest pieces left, from its lower left corner; the sheet used least is
-    the last. Holes stay empty. The same pieces give the same placements.
+    they fit the bed only so. Each sheet takes the largest pieces left, from its lower left corner;
+    the sheet used least is the last. Holes stay empty. The same pieces give the same placements.
 
     Parameters
     ----------

@@ -101,9 +101,9 @@ def pieces_of(mesh, parts):
     ("outlines", "copies", "at_least"),
     [
         (pieces_of(Miura(columns=20, rows=12, fold=1.0).grow().mesh, 6), 3, 0.5),
-        (pieces_of(CurvedFold(columns=40, step=0.05).grow().mesh, 5), 3, 0.33),
+        (pieces_of(CurvedFold(columns=40, step=0.05).grow().mesh, 5), 2, 0.33),
         (stars(20, 1), 2, 0.45),
-        ([ANGLE], 40, 0.45),
+        ([ANGLE], 25, 0.45),
     ],
     ids=["miura", "curved-fold", "stars", "angles"],
 )
@@ -112,7 +112,6 @@ def test_full_sheets_are_used_well(outlines, copies, at_least):
     check(outlines, placements, BED, 2.0, copies, 5.0)
     assert len(placements.used) > 1
     assert placements.used[:-1].min() > at_least
-    print(len(placements.items), placements.used.round(3))
 
 
 def test_angles_lie_in_each_other():
@@ -183,11 +182,11 @@ def test_wrong_answers_of_the_library_are_not_believed(monkeypatch, answer):
         return [(n, turn, 10.0 * shift) for n, turn, shift in found]
 
     monkeypatch.setattr(nesting, "_solve", wrong)
-    outlines = stars(8, 2)
+    outlines = stars(5, 2)
     placements = nest(outlines, BED, 2.0, 2, 5.0)
     check(outlines, placements, BED, 2.0, 2, 5.0)
     assert {"nfp", "blf"} <= set(calls)
-    assert (len(placements.used) == 16) == (answer == "outside")
+    assert (len(placements.used) == 10) == (answer == "outside")
 
 
 @pytest.mark.parametrize(
