@@ -15,16 +15,14 @@ import tomllib
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import click
 
 from fab.errors import Finding, InvalidFile, InvalidJob, Severity
 from solver.errors import InvalidValue, OrigamiError
-
-if TYPE_CHECKING:
-    from fab.make import Format
 
 __all__ = ["main"]
 
@@ -87,6 +85,23 @@ def _say(text: str, *, error: bool = False) -> None:
         click.echo(text, err=error)
 
 
+_OUT = click.option(
+    "--out",
+    default=".",
+    type=click.Path(path_type=Path),
+    help="Folder to write into (default: here).",
+)
+_MATERIAL = click.option(
+    "--material", required=True, metavar="NAME", help="A shipped one, or a .toml file of your own."
+)
+_MACHINE = click.option(
+    "--machine", required=True, metavar="NAME", help="A shipped one, or a .toml file of your own."
+)
+_ONLY_SHEETS = click.option(
+    "--only", default=None, metavar="FORMATS", help="Such as dxf,pdf (default: dxf,svg,pdf)."
+)
+
+
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="quadfold")
 def main() -> None:
@@ -95,12 +110,7 @@ def main() -> None:
 
 @main.command()
 @click.argument("job", type=click.Path(path_type=Path))
-@click.option(
-    "--out",
-    default=".",
-    type=click.Path(path_type=Path),
-    help="Folder to write into (default: here).",
-)
+@_OUT
 @click.option(
     "--set",
     "changes",
@@ -118,7 +128,7 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
         from fab.job import load_job
         from fab.make import Format, make, require_folder, write
 
-        chosen = _formats(only)
+        chosen = _formats(only, Format)
         loaded = load_job(job, changes)
         formats = chosen or [Format(name) for name in loaded.outputs]
         require_folder(out)
@@ -145,6 +155,104 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
                 _say(f"note: {left} is from an earlier run", error=True)
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_MATERIAL
+@_MACHINE
+@_OUT
+@click.option("--width-mm", default=None, type=float, help="Longer side of the flat sheet.")
+@click.option("--scale", default=None, type=float, help="Times the size in the file.")
+@click.option("--copies", default=1, show_default=True, type=int, help="How many of the model.")
+@_ONLY_SHEETS
+@click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
+def fabricate(
+    file: Path,
+    material: str,
+    machine: str,
+    out: Path,
+    width_mm: float | None,
+    scale: float | None,
+    copies: int,
+    only: str | None,
+    dry_run: bool,
+) -> None:
+    """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
+    with _answers() as interrupts:
+        from fab.fabricate import SheetFormat, fabricate, scaled
+        from fab.make import require_folder, write
+        from fab.materials import load_machine, load_material
+        from fab.pattern_file import read_pattern
+
+        stuff, cutter = load_material(material), load_machine(machine)
+        formats = _formats(only, SheetFormat) or list(SheetFormat)
+        require_folder(out)
+        pattern, findings = read_pattern(file)
+        pattern = scaled(pattern, width_mm=width_mm, factor=scale)
+        with _progress(interrupts) as progress:
+            made = fabricate(
+                pattern,
+                file.stem,
+                stuff,
+                cutter,
+                copies=copies,
+                formats=formats,
+                findings=findings,
+                progress=progress,
+            )
+        interrupts.check()
+        if not dry_run:
+            write(made, out)
+        verb = "would write" if dry_run else "wrote"
+        for name, data in made.files.items():
+            _say(f"{verb} {out / name}  {len(data)} bytes")
+        report = made.report
+        _say(
+            f"{len(report['pieces'])} pieces, {len(report['glue_up'])} seams, "
+            f"{len(report['sheets'])} sheets of {cutter.bed_mm[0]:g} x {cutter.bed_mm[1]:g} mm, "
+            f"about {sum(sheet['minutes'] for sheet in report['sheets']):.1f} minutes"
+        )
+        _tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)
+
+
+@main.command()
+@_MATERIAL
+@_MACHINE
+@_OUT
+@_ONLY_SHEETS
+def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
+    """Make a test card that finds a machine's kerf and the best dashes for a material."""
+    with _answers():
+        from fab.coupon import coupon
+        from fab.fabricate import SheetFormat, coupon_files
+        from fab.make import Made, require_folder, write
+        from fab.materials import load_machine, load_material
+
+        stuff, cutter = load_material(material), load_machine(machine)
+        formats = _formats(only, SheetFormat) or list(SheetFormat)
+        require_folder(out)
+        name = f"coupon_{Path(material).stem}_{Path(machine).stem}"
+        files = coupon_files(coupon(cutter, stuff), name, cutter, formats)
+        write(Made(files, {}, ()), out)
+        for file, data in files.items():
+            _say(f"wrote {out / file}  {len(data)} bytes")
+
+
+@main.command()
+@click.argument("kind", type=click.Choice(["materials", "machines"]))
+def shipped(kind: str) -> None:
+    """List the shipped materials or machines, one line each."""
+    with _answers():
+        from fab.materials import load_machine, load_material
+        from fab.materials import shipped as known
+
+        load = load_material if kind == "materials" else load_machine
+        names = known("materials" if kind == "materials" else "machines")
+        width = max(map(len, names))
+        for name in names:
+            _say(f"{name:<{width}}  {load(name).description}")
 
 
 @main.command()
@@ -239,12 +347,13 @@ def _template_files() -> list[Path]:
     return sorted(folder.glob("*.toml"))
 
 
-def _formats(only: str | None) -> list[Format] | None:
-    from fab.make import Format
+Kind = TypeVar("Kind", bound=StrEnum)
 
+
+def _formats(only: str | None, kinds: type[Kind]) -> list[Kind] | None:
     if only is None:
         return None
-    known = [str(f) for f in Format]
+    known = [str(kind) for kind in kinds]
     chosen = []
     for word in only.split(","):
         name = word.strip().lower()
@@ -252,7 +361,7 @@ def _formats(only: str | None) -> list[Format] | None:
             close = difflib.get_close_matches(name, known, 1, 0.6)
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(f"--only {name!r} must be among {','.join(known)}.{hint}")
-        chosen.append(Format(name))
+        chosen.append(kinds(name))
     return chosen
 
 

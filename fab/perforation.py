@@ -32,6 +32,7 @@ __all__ = ["DashStyle", "FoldBand", "PerforationSettings", "cut_layers", "perfor
 
 _NAMES = {"M": "mountain", "V": "valley", "F": "flat", "U": "unassigned"}
 _BORDERS = ("B", "C")
+_JOINED = "J"  # faces that are one: nothing is drawn between them
 
 
 class FoldBand(Settings):
@@ -177,12 +178,13 @@ def _styles(
 ) -> tuple[list[CreaseStyle], IntArray]:
     """The styles that occur, and the number of each edge's own, shape (ne,); borders have none."""
     letters = pattern.edges_assignment
-    strange = np.flatnonzero(~np.isin(letters, [*_NAMES, *_BORDERS]))
+    known = [*_NAMES, *_BORDERS, _JOINED]
+    strange = np.flatnonzero(~np.isin(letters, known))
     if len(strange):
         raise InvalidValue(
             f"assignment of edge {strange[0]}",
             repr(str(letters[strange[0]])),
-            f"be one of {', '.join([*_NAMES, *_BORDERS])}",
+            f"be one of {', '.join(known)}",
             "Assign the edge, U where it is not known.",
         )
     kinds: list[CreaseStyle] = [NoStyle()]

@@ -13,14 +13,13 @@ from math import hypot
 
 import numpy as np
 import shapely
-from pydantic import Field
 from scipy.spatial import KDTree
 
+from fab.materials import Speeds
 from fab.paths import CutPaths, Layer, Operation
-from fab.settings import Settings
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Estimate", "Speeds", "estimate", "tour"]
+__all__ = ["Estimate", "estimate", "tour"]
 
 # Points looked at around each end of a line, itself among them.
 _NEIGHBOURS = 10
@@ -31,16 +30,6 @@ _LOOKS = 40
 _GAIN_MM = 1e-9
 # Rounds of choosing the start of each outline anew.
 _ROUNDS = 4
-
-
-class Speeds(Settings):
-    """How fast a machine works. Cut: outlines and relief holes; perforate: the creases."""
-
-    cut_mm_s: float = Field(gt=0, le=10_000)
-    perforate_mm_s: float = Field(gt=0, le=10_000)
-    engrave_mm_s: float = Field(gt=0, le=10_000)
-    travel_mm_s: float = Field(gt=0, le=100_000, description="between lines, the beam off")
-    pierce_s: float = Field(default=0.0, ge=0, le=1000, description="before each line cut through")
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fab.materials import Speeds
 from fab.paths import CutPaths, Layer, Operation
-from fab.tour import Estimate, Speeds, _Tour, estimate, nearest_neighbours, tour, travel_mm
+from fab.tour import Estimate, _Tour, estimate, nearest_neighbours, tour, travel_mm
 
 SPEEDS = Speeds(cut_mm_s=10, perforate_mm_s=20, engrave_mm_s=50, travel_mm_s=100, pierce_s=0.5)
 ORIGIN = np.zeros(2)
