@@ -24,8 +24,7 @@ from fab.labels import engraved
 from fab.make import Made
 from fab.materials import Machine, Material, Speeds, perforation_for
 from fab.nesting import nest, sheets
-from fab.outlines import outlines_of
-from fab.paths import CutPaths
+from fab.paths import CutPaths, Layer, Operation
 from fab.perforation import PerforationSettings, cut_layers
 from fab.pieces import Piece, Pieces, SheetSplit, split
 from fab.relief import ReliefSettings
@@ -37,6 +36,8 @@ __all__ = ["SheetFormat", "coupon_files", "fabricate", "scaled"]
 # Between two pieces on a sheet, in mm, and at least in kerfs.
 _GAP_MM = 2.0
 _GAP_KERFS = 4.0
+# By so many kerfs the mitres of sharp corners may stand out from a piece.
+_CORNER_KERFS = 5.0
 
 Progress = Callable[[str, int, int], None]
 
@@ -94,8 +95,9 @@ def fabricate(
     told = list(findings)
     style = _perforation(machine, material)
     tell("split", 0, 1)
-    # a kerf makes pieces larger than their faces
-    room = SheetSplit(margin_mm=machine.margin_mm + machine.kerf_mm, tab_mm=material.tab_mm)
+    room = SheetSplit(
+        margin_mm=machine.margin_mm + _CORNER_KERFS * machine.kerf_mm, tab_mm=material.tab_mm
+    )
     pieces, found = split(pattern, room, machine.bed_mm)
     told += found
     layers = []
@@ -106,11 +108,8 @@ def fabricate(
         layers.append((*drawn, engraved(piece.labels)) if _labelled(pieces) else drawn)
     tell("nest", 0, 1)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
-    outlines = [_outline(piece) for piece in pieces.pieces]
-    # pieces lie further apart by the kerf, half of it on either side
-    placements = nest(
-        outlines, machine.bed_mm, gap + machine.kerf_mm, copies, machine.margin_mm + machine.kerf_mm
-    )
+    outlines = [_outline(drawn) for drawn in layers]
+    placements = nest(outlines, machine.bed_mm, gap, copies, machine.margin_mm)
     paths = []
     drawn_sheets = sheets(layers, placements, machine.bed_mm)
     for number, sheet in enumerate(drawn_sheets):
@@ -176,9 +175,11 @@ def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:
     ]
 
 
-def _outline(piece: Piece) -> shapely.Polygon:
-    """The outer outline of a piece; what lies in its holes stays free."""
-    rings = outlines_of(piece.pattern).rings
+def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
+    """The outer outline of a piece as it is cut; what lies in its holes stays free."""
+    rings = [
+        ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
+    ]
     return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 
