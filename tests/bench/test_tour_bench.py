@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import Delaunay
 
 from fab.paths import CutPaths, Layer, Operation
-from fab.perforation import DashStyle, dashes
+from fab.styles import DashStyle, cuts_along
 from fab.tour import nearest_neighbours, tour, travel_mm
 
 HEAD = np.zeros(2)
@@ -37,7 +37,7 @@ def perforated(count):
     across = np.stack([grid[:, :-1], grid[:, 1:]], axis=2).reshape(-1, 2, 2)
     along = np.stack([grid[:-1], grid[1:]], axis=2).reshape(-1, 2, 2)
     creases = np.concatenate([across, along])
-    return dashes(creases, DashStyle(cut_mm=3.0, gap_mm=1.0), 0.5)[0]
+    return cuts_along(creases, DashStyle(cut_mm=3.0, gap_mm=1.0), 0.5).segments
 
 
 def tree_length(segments):
