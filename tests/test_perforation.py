@@ -266,8 +266,8 @@ def test_edges_with_one_face_are_outlines_whatever_their_letter():
 
 
 def test_unknown_assignments_are_refused():
-    pattern = pattern_of([[0, 0], [9, 0], [9, 9], [0, 9]], [[0, 1, 2], [0, 2, 3]], "J")
-    with pytest.raises(InvalidValue, match=r"assignment of edge \d = 'J' .* M, V, F, U, B, C"):
+    pattern = pattern_of([[0, 0], [9, 0], [9, 9], [0, 9]], [[0, 1, 2], [0, 2, 3]], "X")
+    with pytest.raises(InvalidValue, match=r"assignment of edge \d = 'X' .* M, V, F, U, B, C, J"):
         cut_layers(pattern, PerforationSettings())
 
 
@@ -324,3 +324,10 @@ def test_lattices_too_wide_for_their_faces_are_left_out_and_named():
     layers, findings = cut_layers(pattern, PerforationSettings(valley=fits, margin_mm=0.1))
     assert findings == []
     assert len(layers[1].segments) > 0
+
+
+def test_nothing_is_drawn_between_faces_that_are_one():
+    pattern = pattern_of([[0, 0], [9, 0], [9, 9], [0, 9]], [[0, 1, 2], [0, 2, 3]], "J")
+    paths, findings = perforate(pattern, PerforationSettings())
+    assert not findings
+    assert sum(len(layer.segments) for layer in paths.layers) == 0
