@@ -245,6 +245,8 @@ def _envelope(polygon: shapely.Polygon) -> shapely.Polygon:
     around = shape
     while len(around.exterior.coords) > _MOST_CORNERS + 1:
         coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
+        if not isinstance(coarse, shapely.Polygon):  # a thread of a piece, torn by rounding
+            return hull
         around = shapely.Polygon(coarse.exterior).simplify(0.0)
         tolerance *= 1.2
     return around if around.contains(filled) or around is shape else hull

@@ -18,6 +18,7 @@ from fab.errors import Finding, InvalidFile, Severity
 from fab.fold_file import (
     FULLY_FOLDED,
     flat_coords,
+    frame_coords,
     frame_faces,
     frame_list,
     read_frames,
@@ -59,8 +60,10 @@ def read_pattern(
     require_positive("mm_per_unit", mm_per_unit)
     file = Path(path)
     findings: list[Finding] = []
-    flat, _ = read_frames(file)
-    coords = flat_coords(file, flat)[:, :2] * _scale(file, flat, mm_per_unit, findings)
+    flat, folded_frame = read_frames(file)
+    scale = _scale(file, flat, mm_per_unit, findings)
+    coords = flat_coords(file, flat)[:, :2] * scale
+    folded = _folded(file, folded_frame, len(coords), findings)
     pairs = _pairs(file, flat, len(coords), findings)
     letters = _letters(file, flat, len(pairs), findings)
     angles = _angles(file, flat, letters, findings)
@@ -93,7 +96,9 @@ def read_pattern(
     letters = _with_borders(letters, edges_faces, number[order], findings)
     angles[~np.isin(letters, ["M", "V", "U"])] = 0.0
     edges_vertices = np.concatenate([edges.edges_vertices, pairs[loose]])
-    coords, edges_vertices, corners = _used(coords, edges_vertices, corners, merged, findings)
+    places = np.column_stack([coords, folded * scale])
+    places, edges_vertices, corners = _used(places, edges_vertices, corners, merged, findings)
+    coords = places[:, :2]
     pattern = CreasePattern(
         coords - coords.min(axis=0),
         edges_vertices,
@@ -102,8 +107,23 @@ def read_pattern(
         angles,
         corners,
         offsets,
+        np.ascontiguousarray(places[:, 2:]) if folded.shape[1] else None,
     )
     return pattern, tuple(findings)
+
+
+def _folded(
+    path: Path, frame: dict[str, Any] | None, count: int, findings: list[Finding]
+) -> FloatArray:
+    """The folded form's points, shape (nv, 3); (nv, 0) where there is none that fits."""
+    if frame is None:
+        return np.empty((count, 0))
+    coords = frame_coords(path, frame, "folded form")
+    if len(coords) == count:
+        return coords
+    text = f"the folded form has {len(coords)} vertices, the flat sheet {count}: it is left out."
+    findings.append(_finding("folded-form-differs", Severity.WARNING, text))
+    return np.empty((count, 0))
 
 
 def _finding(

@@ -115,7 +115,30 @@ def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     rows = made.report["glue_up"]
     assert [row["label"] for row in rows] == list(range(1, len(rows) + 1))
     assert {name for row in rows for name in row["pieces"]} == set(names)
-    assert any(row["pieces"][0] == row["pieces"][1] for row in rows) or len(names) > 1
+    # the rings were cut open to lie flat: their seam closes by glue too
+    assert pattern.folded_coords is not None
+    whole = fabricate(
+        pattern, "cones", load_material("card_300gsm"), load_machine("co2_100w_1300x900")
+    )
+    assert [piece["name"] for piece in whole.report["pieces"]] == ["A"]
+    assert len(whole.report["glue_up"]) == 18
+    assert all(row["pieces"] == ["A", "A"] for row in whole.report["glue_up"])
+
+
+def test_threads_of_pieces_are_placed_or_refused(tmp_path):
+    ribbon = made_template("brownian_ribbon_400").files["brownian_ribbon_400.fold"]
+    (tmp_path / "ribbon.fold").write_bytes(ribbon)
+    pattern, _ = read_pattern(tmp_path / "ribbon.fold")
+    with np.errstate(all="ignore"):
+        made = fabricate(
+            scaled(pattern, width_mm=15000.0),
+            "ribbon",
+            load_material("copy_paper_80gsm"),
+            load_machine("co2_100w_1300x900"),
+            formats=[SheetFormat.SVG],
+        )
+    assert sum(piece["faces"] for piece in made.report["pieces"]) == 400
+    assert len(made.report["glue_up"]) >= len(made.report["pieces"]) - 1
 
 
 def test_the_same_pattern_gives_the_same_bytes():

@@ -409,3 +409,28 @@ def test_our_own_files_read_alike_either_way(tmp_path):
     assert findings == ()
     for key in ("edges_vertices", "edges_faces", "edges_foldAngle", "edges_assignment"):
         assert np.array_equal(getattr(strict, key), getattr(free, key)), key
+
+
+def test_a_folded_form_of_another_sheet_is_left_out_and_told(tmp_path):
+    square = {
+        "file_spec": 1.1,
+        "vertices_coords": [[0, 0], [9, 0], [9, 9], [0, 9]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]],
+        "edges_assignment": ["B", "B", "B", "B", "V"],
+        "file_frames": [
+            {
+                "frame_classes": ["foldedForm"],
+                "vertices_coords": [[0, 0, 0], [9, 0, 0], [9, 9, 0], [0, 9, 5]],
+            }
+        ],
+    }
+    path = tmp_path / "square.fold"
+    path.write_text(json.dumps(square))
+    pattern, findings = read_pattern(path, 2.0)
+    assert pattern.folded_coords[3].tolist() == [0, 18, 10]
+    assert "folded-form-differs" not in {finding.code for finding in findings}
+    square["file_frames"][0]["vertices_coords"].pop()
+    path.write_text(json.dumps(square))
+    pattern, findings = read_pattern(path)
+    assert pattern.folded_coords is None
+    assert "folded-form-differs" in {finding.code for finding in findings}
