@@ -29,7 +29,7 @@ from fab.perforation import PerforationSettings, cut_layers
 from fab.pieces import Piece, Pieces, SheetSplit, split
 from fab.relief import ReliefSettings
 from fab.tour import estimate, tour
-from solver.errors import require_count, require_positive
+from solver.errors import InvalidValue, require_count, require_positive
 
 __all__ = ["SheetFormat", "coupon_files", "fabricate", "scaled"]
 
@@ -38,6 +38,10 @@ _GAP_MM = 2.0
 _GAP_KERFS = 4.0
 # By so many kerfs the mitres of sharp corners may stand out from a piece.
 _CORNER_KERFS = 5.0
+# Lower tabs hold no glue.
+_LEAST_TAB_MM = 1.0
+# More pieces than this take hours to place.
+_MOST_PLACED = 400
 
 Progress = Callable[[str, int, int], None]
 
@@ -96,10 +100,18 @@ def fabricate(
     style = _perforation(machine, material)
     tell("split", 0, 1)
     room = SheetSplit(
-        margin_mm=machine.margin_mm + _CORNER_KERFS * machine.kerf_mm, tab_mm=material.tab_mm
+        margin_mm=machine.margin_mm + _CORNER_KERFS * machine.kerf_mm,
+        tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
     pieces, found = split(pattern, room, machine.bed_mm)
     told += found
+    if copies * len(pieces.pieces) > _MOST_PLACED:
+        raise InvalidValue(
+            "copies",
+            f"{copies}, {copies * len(pieces.pieces)} pieces in all",
+            f"make at most {_MOST_PLACED} pieces",
+            "Placing takes the square of their number: make several runs.",
+        )
     layers = []
     for number, piece in enumerate(pieces.pieces):
         tell("perforate", number, len(pieces.pieces))
@@ -149,11 +161,11 @@ def coupon_files(
 
 def _perforation(machine: Machine, material: Material) -> PerforationSettings:
     """The material's styles, as the machine wants them; relief holes where it asks for them."""
-    relief = None
-    if material.relief_mm > 0:
-        relief = ReliefSettings(web_mm=material.web_mm, radius_mm=material.relief_mm / 2)
     document = perforation_for(machine, material).model_dump()
+    relief = None
     try:
+        if material.relief_mm > 0:
+            relief = ReliefSettings(web_mm=material.web_mm, radius_mm=material.relief_mm / 2)
         return PerforationSettings.model_validate({**document, "relief": relief})
     except ValidationError as error:
         raise InvalidJob(f"perforation of {material.description}: {error}") from error
@@ -180,6 +192,8 @@ def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
     rings = [
         ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
     ]
+    if not rings:
+        raise InvalidValue("sheet", "narrower than the kerf", "be wider", "Enlarge it.")
     return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 

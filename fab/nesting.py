@@ -244,7 +244,10 @@ def _envelope(polygon: shapely.Polygon) -> shapely.Polygon:
     tolerance = 1e-3 * float(np.hypot(*np.ptp(shapely.get_coordinates(filled), axis=0)))
     around = shape
     while len(around.exterior.coords) > _MOST_CORNERS + 1:
-        coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
+        try:
+            coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
+        except shapely.GEOSException:  # needles send mitres beyond all numbers
+            return hull
         if not isinstance(coarse, shapely.Polygon):  # a thread of a piece, torn by rounding
             return hull
         around = shapely.Polygon(coarse.exterior).simplify(0.0)
