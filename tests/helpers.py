@@ -32,7 +32,8 @@ def published(name: str, state: str) -> np.ndarray:
     """Rows of a model of the method's authors, shape (R, C, 3); skips where it is missing."""
     path = REFERENCE / f"{name}_{state}.obj"
     if not path.is_file():
-        pytest.skip(f"the published model {path.name} is not on this machine")
+        place = "the authors' repository additive-origami, folder pattern"
+        pytest.skip(f"no {path.name} in {REFERENCE.name}: put it there from {place}")
     lines = (line.split() for line in path.read_text().splitlines() if line.startswith("v "))
     rows, columns = GRIDS[name]
     return np.array([[float(x) for x in line[1:4]] for line in lines]).reshape(rows, columns, 3)
