@@ -21,10 +21,13 @@ __all__ = ["write_records"]
 
 # Over this six decimals are no longer held exactly.
 _MOST = 4e9
+# Below this millionths fit into 32 bits.
+_MOST_32 = 4290
 # So many records at a time stay in the processor's cache.
-_CHUNK = 2048
+_CHUNK = 4096
 
 Text = NDArray[np.bytes_]
+Digits = NDArray[np.uint64]
 
 
 def write_records(
@@ -34,7 +37,7 @@ def write_records(
 
     Parameters
     ----------
-    text : one more than there are numbers in a record.
+    text : one more than there are numbers in a record; only the first may be empty.
     rows : shape (n, k), written with six decimals. Raises `InvalidValue` where one is not finite or
         not below 4e9.
     handle : where given, each record has one number more, the first: a hexadecimal one that counts
@@ -42,22 +45,24 @@ def write_records(
     """
     if not len(rows):
         return
-    size = np.abs(rows)
-    if not (size < _MOST).all():  # so that NaN is refused too
-        worst = float(rows.ravel()[np.argmin(size.ravel() < _MOST)])
+    size = max(float(rows.max()), -float(rows.min()))
+    if not size < _MOST:  # so that NaN is refused too
+        worst = float(rows.ravel()[np.argmin(np.abs(rows).ravel() < _MOST)])
         cure = "Give coordinates in millimetres."
         raise InvalidValue("coordinate", worst, f"be finite and below {_MOST:g}", cure)
-    whole = len(str(int(size.max() + 1)))
+    most = int(size + 1)
     sign = bool((rows < 0).any())
     hexadecimal = 0 if handle is None else len(f"{handle + len(rows):X}")
+    first = 0 if handle is None else 1
+    texts = [*text[: 1 + first], *(after[1:] for after in text[1 + first :])]
     out = None
     for begin in range(0, len(rows), _CHUNK):
         part = rows[begin : begin + _CHUNK]
-        numbers = [_decimals(column, whole, sign) for column in part.T]
+        numbers = _decimals(np.ascontiguousarray(part.T), most, sign, text[1 + first :])
         if handle is not None:
             numbers.insert(0, _counted(handle + begin, len(part), hexadecimal))
-        columns: list[bytes | Text] = [text[0]]
-        for number, after in zip(numbers, text[1:], strict=True):
+        columns: list[bytes | Text] = [texts[0]]
+        for number, after in zip(numbers, texts[1:], strict=True):
             columns += [*number, after]
         columns = [column for column in columns if len(column)]
         if out is None:
@@ -77,24 +82,32 @@ def _blank(columns: Sequence[bytes | Text], count: int) -> NDArray[np.void]:
     return out
 
 
-def _decimals(values: FloatArray, whole_digits: int, sign: bool) -> list[Text]:
-    """Sign, whole part, point and six decimals of each number."""
-    size = np.abs(values)
-    whole = np.floor(size)
-    fraction = np.rint((size - whole) * 1e6)
-    carry = fraction == 1e6
-    fraction[carry] = 0
-    above = np.floor(fraction / 1e3)
-    out = [_table(".%03d", 1000)[above.astype(np.intp)]]
-    out.append(_table("%03d", 1000)[(fraction - 1e3 * above).astype(np.intp)])
-    rest = whole + carry
-    while whole_digits > 0:
-        width = min(whole_digits, 4)
-        above = np.floor(rest / 1e4)
-        four = (rest - 1e4 * above).astype(np.intp)
-        out.insert(0, _table(f"%0{width}d", 10**width)[four])
-        rest, whole_digits = above, whole_digits - width
-    return [np.where(values < 0, b"-", b"0"), *out] if sign else out
+def _decimals(
+    values: FloatArray, most: int, sign: bool, after: Sequence[bytes]
+) -> list[list[Text]]:
+    """For each row of values: sign, whole part, point, six decimals and the character behind.
+
+    The whole part is as long as that of `most`.
+    """
+    kind = np.uint32 if most < _MOST_32 else np.uint64
+    millionths: Digits = np.rint(np.abs(values) * 1e6).astype(kind)
+    thousandths: Digits = millionths // 1000
+    whole: Digits = thousandths // 1000
+    groups = [_table(".%03d", 1000).take(thousandths - 1000 * whole)]
+    last = millionths - 1000 * thousandths
+    digits = len(str(most))
+    while digits > 4:
+        above: Digits = whole // 10000
+        groups.insert(0, _table("%04d", 10000).take(whole - 10000 * above))
+        whole, digits = above, digits - 4
+    if sign:
+        groups.insert(0, _signed(digits).take(whole + 10**digits * (values < 0).astype(kind)))
+    else:
+        groups.insert(0, _table(f"%0{digits}d", 10**digits).take(whole))
+    return [
+        [*(group[row] for group in groups), _table("%03d", 1000, text[:1]).take(last[row])]
+        for row, text in enumerate(after)
+    ]
 
 
 def _counted(first: int, count: int, width: int) -> list[Text]:
@@ -103,11 +116,18 @@ def _counted(first: int, count: int, width: int) -> list[Text]:
     out: list[Text] = []
     while width > 0:
         digits = min(width, 3)
-        out.insert(0, _table(f"%0{digits}X", 16**digits)[rest & 16**digits - 1])
+        out.insert(0, _table(f"%0{digits}X", 16**digits).take(rest & 16**digits - 1))
         rest, width = rest >> 12, width - digits
     return out
 
 
 @cache
-def _table(form: str, count: int) -> Text:
-    return np.array([(form % i).encode() for i in range(count)])
+def _table(form: str, count: int, after: bytes = b"") -> Text:
+    return np.array([(form % i).encode() + after for i in range(count)])
+
+
+@cache
+def _signed(digits: int) -> Text:
+    """Numbers with a leading zero, then the same ones with a leading minus sign."""
+    form, count = f"%0{digits}d", 10**digits
+    return np.concatenate([_table(f"0{form}", count), _table(f"-{form}", count)])

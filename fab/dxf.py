@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
+from typing import BinaryIO
 
 import ezdxf
 from ezdxf.enums import InsertUnits
@@ -21,7 +22,7 @@ from fab.colours import Colours
 from fab.digits import write_records
 from fab.paths import CutPaths
 
-__all__ = ["DxfVersion", "dxf_bytes"]
+__all__ = ["DxfVersion", "dxf_bytes", "write_dxf"]
 
 
 class DxfVersion(StrEnum):
@@ -50,20 +51,30 @@ def dxf_bytes(
     colours: Colours | None = None,
     version: DxfVersion = DxfVersion.R2000,
 ) -> bytes:
-    """The DXF file, the same bytes for the same paths."""
+    """`write_dxf` into memory."""
+    out = io.BytesIO()
+    write_dxf(out, paths, colours, version)
+    return out.getvalue()
+
+
+def write_dxf(
+    stream: BinaryIO,
+    paths: CutPaths,
+    colours: Colours | None = None,
+    version: DxfVersion = DxfVersion.R2000,
+) -> None:
+    """Write the DXF file, the same bytes for the same paths, without holding it in memory."""
     head, body, tail, owner, handle = _frame(paths, colours or Colours(), version)
     count = sum(len(layer.segments) for layer in paths.layers)
     handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
     seed = f"$HANDSEED\n  5\n{handle + count:X}\n"
-    out = io.BytesIO()
-    out.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
-    out.write(body.encode())
+    stream.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
+    stream.write(body.encode())
     for layer in paths.layers:
         rows = layer.segments.reshape(-1, 4)
-        write_records(out, _line(layer.operation, owner, version), rows, handle)
+        write_records(stream, _line(layer.operation, owner, version), rows, handle)
         handle += len(rows)
-    out.write(tail.encode())
-    return out.getvalue()
+    stream.write(tail.encode())
 
 
 def _frame(

@@ -133,7 +133,7 @@ def test_records_are_the_numbers_to_six_decimals(rows):
     text = [b"<", *[b" "] * (rows.shape[1] - 1), b">\n"]
     lines = written(text, rows).decode().splitlines()
     back = np.array([[float(x) for x in line[1:-1].split()] for line in lines])
-    assert back == pytest.approx(rows, rel=0, abs=0.5000001e-6)
+    assert back == pytest.approx(rows, rel=0, abs=0.5001e-6)
     assert len({len(line) for line in lines}) == 1
 
 
