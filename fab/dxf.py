@@ -1,8 +1,9 @@
 """How do cut paths become a DXF file?
 
 Real segments, no linetypes; one layer and one colour per operation; millimetres in the header.
-ezdxf writes header, tables and outlines; the dashes are formatted in bulk and put behind them,
-because a million of them would otherwise take minutes.
+ezdxf writes header, tables and outlines; the dashes are formatted in bulk and put before the
+outlines, because a million of them would otherwise take minutes, and because a machine that cuts in
+the order of the file must free pieces last.
 """
 
 from __future__ import annotations
@@ -69,11 +70,11 @@ def write_dxf(
     handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
     seed = f"$HANDSEED\n  5\n{handle + count:X}\n"
     stream.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
-    stream.write(body.encode())
     for layer in paths.layers:
         rows = layer.segments.reshape(-1, 4)
         write_records(stream, _line(layer.operation, owner, version), rows, handle)
         handle += len(rows)
+    stream.write(body.encode())
     stream.write(tail.encode())
 
 

@@ -65,6 +65,14 @@ def test_dxf_holds_the_segments_on_their_layers(paths):
     assert [*extents.size.vec2] == pytest.approx(paths.size_mm, abs=1e-6)
 
 
+def test_dxf_frees_the_pieces_last(paths):
+    document = ezdxf.read(io.StringIO(dxf_bytes(paths).decode()))
+    order = [str(entity.dxf.layer) for entity in document.modelspace()]
+    assert [*dict.fromkeys(order)] == [layer.operation for layer in paths.layers]
+    kinds = [entity.dxftype() for entity in document.modelspace()]
+    assert kinds.index("LWPOLYLINE") == kinds.count("LINE") > 0
+
+
 def test_dxf_handles_are_unique_and_below_the_seed(paths):
     document = ezdxf.read(io.StringIO(dxf_bytes(paths).decode()))
     handles = [int(e.dxf.handle, 16) for e in document.modelspace()]
