@@ -1,0 +1,214 @@
+"""How does a flat sheet get to its target fold angles, and at what cost on the way?
+
+Quasi-static: the target angles are ramped, and at each load the framework comes to rest. Each step
+is predicted by turning all hinges (`fab.rotations`), so that long chains may turn far at once, and
+corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy. At
+the full load the energy of angles that close is zero, so that the last steps converge quadratically.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import SuperLU, splu
+
+from fab.framework import Energy, Framework
+from fab.rotations import Turner, turner
+from solver.errors import InvalidValue, require_count
+from solver.vectors import FloatArray
+
+__all__ = ["FoldSettings", "FoldState", "FoldStatus", "Folding", "fold"]
+
+# Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
+_LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
+_FIRST_DAMPING = 1e-8
+# Steps with more damping than this say nothing about how far the energy could still fall.
+_TRUSTED_DAMPING = 1e-6
+# On the way: the next step would lower the energy by less than this share.
+_SETTLED = 1e-2
+# Over the diagonal of the sheet: smaller steps are rounding.
+_ROUNDING = 1e-12
+# A step that raises the energy is tried shorter before it is damped.
+_LENGTHS = (1.0, 0.5, 0.25, 0.125)
+
+Progress = Callable[[int, int], None]
+
+
+class FoldStatus(StrEnum):
+    """How a fold ended."""
+
+    FOLDED = "folded"
+    STRAINED = "strained"
+    UNSETTLED = "unsettled"
+
+
+@dataclass(frozen=True)
+class FoldSettings:
+    """How finely a fold is followed.
+
+    steps : equal steps of the load, 1 to 10,000.
+    iterations : most Gauss-Newton steps at each load.
+    last_iterations : most of them at the full load.
+    """
+
+    steps: int = 10
+    iterations: int = 150
+    last_iterations: int = 400
+
+    def __post_init__(self) -> None:
+        require_count("steps", self.steps, 1, "Follow the fold in one step or more.")
+        require_count("iterations", self.iterations, 1, "Allow one or more.")
+        require_count("last_iterations", self.last_iterations, 1, "Allow one or more.")
+        if self.steps > 10_000:
+            raise InvalidValue("steps", self.steps, "be at most 10000", "Use fewer steps.")
+
+
+@dataclass(frozen=True)
+class FoldState:
+    """The sheet at rest under one load.
+
+    Attributes
+    ----------
+    load : share of the target angles, 0 to 1.
+    coords : shape (nv, 3), vertices of the framework over its size.
+    energy : of bars and hinges; strain_mean, strain_max : sizes over all bars.
+    iterations : linear systems solved since the state before.
+    settled : whether it came to rest.
+    """
+
+    load: float
+    coords: FloatArray
+    energy: Energy
+    strain_mean: float
+    strain_max: float
+    iterations: int
+    settled: bool
+
+
+@dataclass(frozen=True)
+class Folding:
+    """A fold from flat: its states, the flat one first."""
+
+    frame: Framework
+    states: tuple[FoldState, ...]
+
+    @property
+    def iterations(self) -> int:
+        """Linear systems solved."""
+        return sum(state.iterations for state in self.states)
+
+
+def _silent(done: int, total: int) -> None:
+    del done, total
+
+
+def fold(
+    frame: Framework, settings: FoldSettings | None = None, progress: Progress = _silent
+) -> Folding:
+    """Fold a framework from flat to its targets.
+
+    progress : called with (loads done, loads in all); an exception that it raises ends the fold.
+    """
+    settings = settings or FoldSettings()
+    turning = turner(frame)
+    state = _state(frame, 0.0, frame.vertices_coords, np.zeros_like(frame.hinges_target), 0, True)
+    states = [state]
+    angles = np.zeros_like(frame.hinges_target)
+    for step in range(1, settings.steps + 1):
+        progress(step - 1, settings.steps)
+        load = step / settings.steps
+        target = load * frame.hinges_target
+        coords = _predicted(frame, turning, state.coords, angles, target, settings.steps)
+        last = step == settings.steps
+        most = settings.last_iterations if last else settings.iterations
+        coords, iterations, settled = _rest(frame, coords, target, most, last)
+        coords = _aligned(coords, state.coords)
+        state = _state(frame, load, coords, target, iterations, settled)
+        states.append(state)
+        angles = frame.angles_near(coords, target)
+    progress(settings.steps, settings.steps)
+    return Folding(frame, tuple(states))
+
+
+def _predicted(
+    frame: Framework,
+    turning: Turner,
+    coords: FloatArray,
+    angles: FloatArray,
+    target: FloatArray,
+    steps: int,
+) -> FloatArray:
+    """The sheet with all hinges turned on, or as it was where that stores less energy."""
+    turned = turning.coords(angles + frame.hinges_target / steps)
+    if frame.energy(turned, target).total < frame.energy(coords, target).total:
+        return turned
+    return coords
+
+
+def _rest(
+    frame: Framework, coords: FloatArray, target: FloatArray, most: int, last: bool
+) -> tuple[FloatArray, int, bool]:
+    """Coordinates of least energy near to `coords`; steps taken; whether the energy settled."""
+    energy = frame.energy(coords, target).total
+    damping = _FIRST_DAMPING
+    for solved in range(1, most + 1):
+        gradient, matrix = frame.linearised(coords, target)
+        step = _damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
+        for length in _LENGTHS:
+            lower = frame.energy(coords + length * step, target).total
+            if lower < energy:
+                break
+        else:
+            if np.abs(step).max() < _ROUNDING or damping > _MOST_DAMPING:
+                return coords, solved, True
+            damping = max(100 * damping, 1e-10)
+            continue
+        coords, share, energy = coords + length * step, 1 - lower / energy, lower
+        if np.abs(step).max() < _ROUNDING or (
+            not last and damping < _TRUSTED_DAMPING and share < _SETTLED
+        ):
+            return coords, solved, True
+        damping = max(damping / 10, _LEAST_DAMPING) if length == 1 else 10 * damping
+    return coords, most, False
+
+
+def _damped(matrix: csc_array, damping: float) -> SuperLU:
+    matrix = matrix.copy()
+    diagonal = matrix.diagonal()
+    matrix.setdiag(diagonal + damping * diagonal.mean())
+    return splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+
+
+def _state(
+    frame: Framework,
+    load: float,
+    coords: FloatArray,
+    target: FloatArray,
+    iterations: int,
+    settled: bool,
+) -> FoldState:
+    strain = np.abs(frame.strains(coords))
+    return FoldState(
+        load,
+        coords,
+        frame.energy(coords, target),
+        float(strain.mean()),
+        float(strain.max()),
+        iterations,
+        settled,
+    )
+
+
+def _aligned(coords: FloatArray, onto: FloatArray) -> FloatArray:
+    """Moved rigidly, to lie as near as possible to the state before."""
+    middle, place = coords.mean(axis=0), onto.mean(axis=0)
+    left, _, right = np.linalg.svd((coords - middle).T @ (onto - place))
+    sign = np.sign(np.linalg.det(left @ right))
+    turn = left @ np.diag([1.0, 1.0, sign]) @ right
+    return np.asarray((coords - middle) @ turn + place)
