@@ -123,14 +123,12 @@ def given_faces(
     corners, own = corners[stays], own[stays]
     sizes = np.bincount(own, minlength=count)
     full = sizes >= 3
-    solid = full[own]
-    areas, longest = np.zeros(count), np.ones(count)
-    bounds = np.concatenate([[0], np.cumsum(sizes[full])])
-    areas[full] = ring_areas(lines.coords[corners[solid]], bounds)
+    has_area, areas = np.zeros(count, bool), np.zeros(count)
     if full.any():
-        span = lines.coords[sides[solid, 1]] - lines.coords[sides[solid, 0]]
-        longest[full] = np.maximum.reduceat(np.hypot(*span.T), bounds[:-1])
-    has_area = np.abs(areas) > rounding * longest
+        rings = lines.coords[corners[full[own]]]
+        bounds = np.concatenate([[0], np.cumsum(sizes[full])])
+        areas[full] = ring_areas(rings, bounds)
+        has_area[full] = _heights(rings, bounds) > rounding
     empty = np.flatnonzero(~has_area)
     if len(empty):
         text = f"{listed('face', empty)} without area: removed."
@@ -154,6 +152,19 @@ def given_faces(
     return faces, lines
 
 
+def _heights(rings: FloatArray, offsets: IntArray) -> FloatArray:
+    """Distance from the longest side to the corner farthest from its line, of each face."""
+    span = rings[next_corner(offsets)] - rings
+    length = np.hypot(*span.T)
+    own = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    longest = np.lexsort((length, own))[offsets[1:] - 1]
+    along = (span[longest] / length[longest, None])[own]
+    arm = rings - rings[longest][own]
+    off = np.abs(along[:, 0] * arm[:, 1] - along[:, 1] * arm[:, 0])
+    out: FloatArray = np.maximum.reduceat(off, offsets[:-1])
+    return out
+
+
 def _of_faces(code: str, severity: Severity, text: str, faces: IntArray) -> Finding:
     return Finding(code, severity, text, panels=tuple(faces[:_NAMED].tolist()))
 
@@ -168,7 +179,8 @@ def _refuse_broken(lines: Lines, faces: Faces) -> None:
     if len(crossed):
         raise InvalidFile(
             f"{lines.path}: {listed('face', faces.number[crossed])}: the sides cross or touch "
-            "each other. Split the face there, or put its corners in order."
+            "each other. Put its corners in order, split it, or write its coordinates with more "
+            "digits."
         )
     following = faces.corners[next_corner(faces.offsets)]
     forth = faces.corners * len(lines.coords) + following
@@ -340,9 +352,10 @@ def _refuse_place(lines: Lines, around: IntArray, faces: Faces) -> NoReturn:
     x, y = lines.coords[lines.pairs[0]].mean(axis=0)
     place = f"{lines.path}: edge {lines.number[0]}, near ({x:.6g}, {y:.6g}) mm,"
     if len(around) > 1:
+        several = listed("face", faces.number[np.sort(around)])
         raise InvalidFile(
-            f"{place} lies in {listed('face', faces.number[around])}, which lie over each other. "
-            "Let it begin in a corner of its own face alone."
+            f"{place} lies in {several}, which lie over each other. Let it begin in a corner of "
+            "its own face alone."
         )
     raise InvalidFile(
         f"{place} lies inside of no face. Remove it, split it where it crosses others, or close "

@@ -61,12 +61,17 @@ def read_pattern(
 
     mm_per_unit : size of a unit in files that name none.
 
-    Raises `InvalidFile` with the place and the cure, among others for creases that cross, outlines
-    that are open, and two letters for one edge that exclude each other. Codes of the findings:
+    The faces that a file lists may lie over each other; `fab.pieces` sets them apart. Without them
+    they are found between the edges.
+
+    Raises `InvalidFile` with the place and the cure, among others for faces that cross themselves,
+    creases that cross where no faces are listed, outlines that are open, and two letters for one
+    edge that exclude each other. Codes of the findings:
     "unit-unknown", "edges-missing", "assignment-missing", "assignment-unknown",
     "fold-angle-missing", "fold-angle-contradicts", "zero-length-edge", "duplicate-edge",
     "vertex-unused", "faces-rebuilt", "hole", "face-clockwise", "face-without-area",
-    "border-unmarked", "border-inside", "crease-dangling".
+    "border-unmarked", "border-inside", "crease-dangling", "sheet-overlaps",
+    "folded-form-differs".
     """
     require_positive("mm_per_unit", mm_per_unit)
     file = Path(path)
@@ -106,11 +111,8 @@ def read_pattern(
     refuse_open(rest)
     _note_loose(rest.number, findings)
     findings += overlap_findings(lines, faces, edges)
-    letters, angles = (
-        _with_borders(lines.letters, edges_faces, lines.number, findings),
-        lines.angles,
-    )
-    angles[~np.isin(letters, ["M", "V", "U"])] = 0.0
+    letters = _with_borders(lines.letters, edges_faces, lines.number, findings)
+    angles = np.where(np.isin(letters, ["M", "V", "U"]), lines.angles, 0.0)
     edges_vertices = np.concatenate([edges.edges_vertices, rest.pairs])
     places = np.column_stack([coords, folded * scale])
     places, edges_vertices, corners = _used(places, edges_vertices, corners, merged, findings)
@@ -207,8 +209,9 @@ def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Findi
     if len(odd):
         severity = Severity.WARNING if unknown.any() else Severity.NOTE
         text = (
-            f"{listed('edge', odd)}: the assignment {found[odd[0]]!r} is none of {', '.join(_LETTERS)}; "
-            "lower case is taken for upper case, anything else for U (unassigned, not cut)."
+            f"{listed('edge', odd)}: the assignment {found[odd[0]]!r} is none of "
+            f"{', '.join(_LETTERS)}; lower case is taken for upper case, anything else for U "
+            "(unassigned, not cut)."
         )
         findings.append(_finding("assignment-unknown", severity, text, odd))
     return np.where(unknown, "U", upper).astype("U1")
@@ -244,8 +247,8 @@ def _angles(
     wrong = np.flatnonzero((angles * default < 0) | ((letters == "F") & (angles != 0)))
     if len(wrong):
         text = (
-            f"{listed('edge', wrong)}: the sign of the fold angle ({angles[wrong[0]]:g}) contradicts the "
-            f"assignment {letters[wrong[0]]}; the assignment holds."
+            f"{listed('edge', wrong)}: the sign of the fold angle ({angles[wrong[0]]:g}) "
+            f"contradicts the assignment {letters[wrong[0]]}; the assignment holds."
         )
         findings.append(_finding("fold-angle-contradicts", Severity.WARNING, text, wrong))
         angles[wrong] = np.sign(default[wrong]) * np.abs(angles[wrong])
@@ -313,7 +316,8 @@ def _places(lines: Lines, sides: IntArray) -> IntArray:
 
 def _note_loose(number: IntArray, findings: list[Finding]) -> None:
     if len(number):
-        text = f"{listed('edge', np.sort(number))} ends within a face: it can be cut, but not folded flat."
+        names = listed("edge", np.sort(number))
+        text = f"{names} ends within a face: it can be cut, but not folded flat."
         findings.append(_finding("crease-dangling", Severity.WARNING, text, np.sort(number)))
 
 
