@@ -110,11 +110,11 @@ def first_abutting(
         along = (b - a) / length[:, None]
         level = np.abs([_off(a, b, c), _off(a, b, d)]).max(axis=0) <= tolerance
         level |= np.abs([_off(c, d, a), _off(c, d, b)]).max(axis=0) <= tolerance
-        # where the second edge begins and ends along the first
+        # where the second edge begins and ends along the first, in length; it runs back
         start, end = ((c - a) * along).sum(axis=1), ((d - a) * along).sum(axis=1)
         low = np.maximum(end, 0)
         common = np.minimum(start, length) - low
-        found = np.flatnonzero(level & (start > end) & (common > tolerance))
+        found = np.flatnonzero(level & (common > tolerance))
         if len(found):
             k = int(found[0])
             middle = low[k] + common[k] / 2

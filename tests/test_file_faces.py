@@ -262,6 +262,7 @@ FORTH = [[0.0, 0.0], [10.0, 0.0]]
         ([[2, 0], [-9, 0]], 1),
         ([[20, 0], [-20, 0]], 5),
         ([[4, 1e-9], [2, -1e-9]], 3),
+        ([[4.002, 5e-7], [4, -5e-7]], 4.001),  # short, and so turned by more than its ends are off
         ([[2, 0], [4, 0]], None),  # both faces lie on the same side
         ([[20, 0], [10, 0]], None),  # end to end
         ([[0, 0], [-10, 0]], None),
