@@ -20,6 +20,7 @@ from pydantic import ValidationError
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, InvalidJob
+from fab.fineness import narrow_faces
 from fab.labels import engraved
 from fab.make import Made
 from fab.materials import Machine, Material, Speeds, perforation_for
@@ -96,7 +97,7 @@ def fabricate(
     """
     require_count("copies", copies, 1, "Ask for one copy or more.")
     tell = progress if progress is not None else lambda *_: None
-    told = list(findings)
+    told = [*findings, *narrow_faces(pattern, machine.kerf_mm)]
     style = _perforation(machine, material)
     tell("split", 0, 1)
     room = SheetSplit(

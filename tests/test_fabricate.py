@@ -9,11 +9,15 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from helpers import made_template
+from flat_patterns import turned_strip
+from helpers import TEMPLATES, made_template
 
 from fab.cli import main
 from fab.errors import InvalidJob, Severity
 from fab.fabricate import SheetFormat, _perforation, fabricate, scaled
+from fab.fold_file import fold_bytes
+from fab.job import load_job
+from fab.make import Format, make
 from fab.materials import load_machine, load_material, shipped
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
@@ -123,6 +127,83 @@ def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     assert [piece["name"] for piece in whole.report["pieces"]] == ["A"]
     assert len(whole.report["glue_up"]) == 18
     assert all(row["pieces"] == ["A", "A"] for row in whole.report["glue_up"])
+
+
+def outlines_on(made):
+    """Areas within the outer outlines on each sheet, drawn without a kerf."""
+    for sheet in made.report["sheets"]:
+        rings = [line for line in drawn(made.files[sheet["files"][0]])["CUT"] if line.is_ring]
+        yield sheet, [shapely.Polygon(ring) for ring in rings]
+
+
+@pytest.mark.parametrize(("turns", "rows"), [(1.4, 1), (2.3, 2), (3.1, 1)])
+def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, turns, rows):
+    strip = turned_strip(int(14 * turns), turns, rows, seed=int(10 * turns))
+    (tmp_path / "turned.fold").write_bytes(fold_bytes(strip, "turned"))
+    pattern, findings = read_pattern(tmp_path / "turned.fold")
+    made = fabricate(
+        pattern,
+        "turned",
+        load_material("card_300gsm"),
+        load_machine("knife_a3_roll"),
+        formats=[SheetFormat.DXF],
+        findings=findings,
+    )
+    assert made.within_tolerance, made.findings
+    assert {"sheet-overlaps", "sheet-split"} <= {f["code"] for f in made.report["findings"]}
+    assert sum(piece["faces"] for piece in made.report["pieces"]) == pattern.face_count
+    names = [piece["name"] for piece in made.report["pieces"]]
+    assert {name for row in made.report["glue_up"] for name in row["pieces"]} == set(names)
+    assert len(made.report["glue_up"]) >= len(names) - 1
+    assert load_machine("knife_a3_roll").kerf_mm == 0
+    total = 0.0
+    for sheet, polygons in outlines_on(made):
+        assert len(polygons) == len(sheet["pieces"])
+        assert shapely.is_valid(polygons).all()
+        total += shapely.union_all(polygons).area
+    # tabs come on top; no piece covers any of its own faces twice
+    corners = np.split(pattern.vertices_coords[pattern.faces_vertices], pattern.faces_offsets[1:-1])
+    assert total >= shapely.area([shapely.Polygon(ring) for ring in corners]).sum() * (1 - 1e-6)
+
+
+def test_two_pieces_drawn_over_each_other_are_two_pieces(tmp_path):
+    square = [[0, 0], [90, 0], [90, 90], [0, 90]]
+    document = {
+        "frame_unit": "mm",
+        "vertices_coords": square + [[x + 20, y + 10] for x, y in square],
+        "faces_vertices": [[0, 1, 2, 3], [4, 5, 6, 7]],
+    }
+    (tmp_path / "two.fold").write_text(json.dumps(document))
+    pattern, _ = read_pattern(tmp_path / "two.fold")
+    made = fabricate(pattern, "two", load_material("card_300gsm"), load_machine(MACHINE))
+    assert [piece["faces"] for piece in made.report["pieces"]] == [1, 1]
+    assert made.report["glue_up"] == []
+    (sheet,) = made.report["sheets"]
+    assert len(sheet["pieces"]) == 2
+
+
+def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
+    job = load_job(TEMPLATES / "brownian_ribbon_1000.toml")
+    (tmp_path / "ribbon.fold").write_bytes(make(job, [Format.FOLD]).files[f"{job.name}.fold"])
+    pattern, findings = read_pattern(tmp_path / "ribbon.fold")
+    assert findings == ()
+    assert pattern.face_count == 1000
+    with np.errstate(all="ignore"):
+        made = fabricate(
+            pattern,
+            "ribbon",
+            load_material("card_300gsm"),
+            load_machine(MACHINE),
+            formats=[SheetFormat.SVG],
+        )
+    assert not made.within_tolerance
+    told = {finding.code: finding.text for finding in made.findings}
+    assert (
+        "1000 of 1000 faces are not wider than the kerf (0.15 mm)"
+        in told["face-narrower-than-kerf"]
+    )
+    for code in ("face-narrower-than-kerf", "crease-too-short"):
+        assert "times as large" in told[code]
 
 
 def test_threads_of_pieces_are_placed_or_refused(tmp_path):
