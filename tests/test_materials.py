@@ -7,8 +7,9 @@ from click.testing import CliRunner
 
 from fab.cli import main
 from fab.errors import InvalidJob
-from fab.materials import load_machine, load_material, perforation_for, shipped
+from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
+from fab.shipped import shipped
 
 MATERIALS, MACHINES = shipped("materials"), shipped("machines")
 
