@@ -35,7 +35,7 @@ _OF_MATERIALS = ("margin_mm", "mountain", "valley")
 class _Described(Settings):
     """Base of materials and machines: what it is, and which of its values are to be tried first."""
 
-    description: str = Field(min_length=1)
+    description: str = Field(min_length=1, description="one line, for lists of names")
     starting_points: list[str] = Field(
         default=[],
         description="keys, such as speeds.cut_mm_s, whose values differ by machine: "
@@ -63,8 +63,8 @@ def _keys(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
 class Material(_Described):
     """A sheet, and how creases are best made in it."""
 
-    thickness_mm: float = Field(gt=0, le=100)
-    density_kg_m3: float = Field(gt=0, le=30000)
+    thickness_mm: float = Field(gt=0, le=100, description="of the sheet")
+    density_kg_m3: float = Field(gt=0, le=30000, description="of the sheet, 833 for card")
     tab_mm: float = Field(gt=0, le=200, description="height of glue tabs")
     bend_radius_mm: float | None = Field(
         default=None,

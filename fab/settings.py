@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import stat
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -20,12 +21,12 @@ __all__ = ["Settings", "checked", "read_toml"]
 _LARGEST_BYTES = 1_000_000
 _LONGEST_SHOWN = 80
 
-# What a value must, by pydantic's name of the error; numbers that it needs stand in its context.
+# What a number must be, and what other values must, by pydantic's name of the error.
 _NUMBERS = {
-    "finite_number": "be a finite number",
-    "float_type": "be a number",
-    "int_type": "be a whole number",
-    "int_from_float": "be a whole number",
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
     "greater_than": "",
     "greater_than_equal": "",
     "less_than": "",
@@ -61,14 +62,17 @@ Table = TypeVar("Table", bound=Settings)
 def read_toml(path: Path, cure: str) -> dict[str, Any]:
     """The tables of a TOML file. Raises `InvalidJob`, with `cure` where there is no such file."""
     try:
-        if path.exists() and not path.is_file():
+        whole = path.stat()
+        if not stat.S_ISREG(whole.st_mode):
             raise InvalidJob(f"{path}: not a file. {cure}")
-        size = path.stat().st_size
-        if size > _LARGEST_BYTES:
-            raise InvalidJob(f"{path}: {size} bytes, must be at most {_LARGEST_BYTES}. {cure}")
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        if whole.st_size > _LARGEST_BYTES:
+            bound = f"must have at most {_LARGEST_BYTES}"
+            raise InvalidJob(f"{path}: has {whole.st_size} bytes, {bound}. {cure}")
+        text = path.read_bytes()
     except OSError as error:
         raise InvalidJob(f"{path}: cannot be read: {error.strerror}. {cure}") from error
+    try:
+        return tomllib.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise InvalidJob(f"{path}: not a TOML file: {error}. Correct it there.") from error
 
@@ -117,7 +121,7 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
         return f"{given} is refused. Correct it{_about(field)}."
     bound = _bound(field)
     if kind in _NUMBERS and (_NUMBERS[kind] or bound):
-        must = "must " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
+        must = "must be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
     elif kind in _OTHERS:
         must = "must " + _OTHERS[kind].format(**error.get("ctx", {}))
     else:
@@ -143,7 +147,7 @@ def _bound(field: FieldInfo | None) -> str:
         for name, word in words.items()
         if hasattr(limit, name)
     ]
-    return f"be {' and '.join(parts)}" if parts else ""
+    return " and ".join(parts)
 
 
 def _hint(model: type[Settings], place: Sequence[str], here: Sequence[str], document: Any) -> str:

@@ -189,15 +189,11 @@ def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
         assert all(bed.covers(line) for line in both)
         total = sum(line.length for line in both)
         assert shapely.union_all(both, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
-        # creases lie within the outlines of the turned back, each whole
         pieces = shapely.union_all([shapely.Polygon(line) for line in over if line.is_ring])
-        creases = [*front["MOUNTAIN"], *over[: len(back["VALLEY"])]]
         assert all(pieces.covers(line) for line in front["MOUNTAIN"])
-        assert len(creases) == len(front["MOUNTAIN"]) + len(back["VALLEY"])
         assert sheet["pierces"] == sum(side["pierces"] for side in sheet["sides"])
-        assert sheet["minutes"] == pytest.approx(
-            sum(s["minutes"] for s in sheet["sides"]), abs=1e-3
-        )
+        minutes = sum(side["minutes"] for side in sheet["sides"])
+        assert sheet["minutes"] == pytest.approx(minutes, abs=1e-3)
         assert [side["side"] for side in sheet["sides"]] == ["front", "back"]
         assert all(name.removesuffix(".dxf") in sheet["turn"] for name in names)
     # a single sheet of one copy, scored from one side, has the same creases
@@ -285,7 +281,7 @@ def test_both_sides_are_written_in_every_format(here):
 
 def test_sheets_of_an_earlier_run_are_named(here):
     words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--only", "svg")
-    assert "earlier run" not in run(*words, "--copies", 3).output
+    assert "earlier run" not in run(*words, "--copies", 12).output
     others = ["yoshimura_1_2.svg", "yoshimura_2.png", "yoshimura.svg", "my_yoshimura_2.svg"]
     for name in others:
         (here / name).touch()
@@ -300,12 +296,9 @@ def test_sheets_of_an_earlier_run_are_named(here):
 
 @pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
 def test_file_names_of_any_bytes_become_names_that_can_be_read(here):
-    name = b'a\x1b[31m\n<b>&"\xff'
-    data = (PATTERNS / "square_twist.fold").read_bytes()
-    Path(os.fsdecode(name + b".fold")).write_bytes(data)
-    result = run(
-        "fabricate", os.fsdecode(name + b".fold"), *CARD, "--width-mm", 120, "--out", "out"
-    )
+    file = os.fsdecode(b'a\x1b[31m\n<b>&"\xff.fold')
+    Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    result = run("fabricate", file, *CARD, "--width-mm", 120, "--out", "out")
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (here / "out").iterdir())
     plain = 'a_[31m_<b>&"__1'
