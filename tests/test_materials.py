@@ -218,7 +218,7 @@ def test_files_that_are_none_give_exit_code_2_and_write_nothing(tmp_path, key):
         "bytes.toml": "not a TOML file",
         "deep.toml": "not a TOML file",
         "loop.toml": "cannot be read",
-        "empty.toml": "description is missing. Add it.",
+        "empty.toml": "description is missing. Add it (one line",
         "../../etc/passwd": "must be one of",
         "..": "must be one of",
         "": "must be one of",
