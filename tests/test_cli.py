@@ -1,6 +1,7 @@
 """The command line: answers, exit codes, what is imported, and README's own words."""
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -169,6 +170,20 @@ def test_progress_is_silent_in_a_pipe(here):
     )
     assert done.stderr == b""
     assert b"\x1b" not in done.stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file names of POSIX")
+def test_what_the_terminal_cannot_show_is_escaped(here):
+    folder = os.fsdecode("ü".encode() + b"\xff")
+    words = ["run", str(TEMPLATES / "miura.toml"), "--only", "svg", "--out", folder]
+    done = subprocess.run(
+        [sys.executable, "-m", "fab", *words],
+        capture_output=True,
+        check=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+    )
+    assert b"wrote \\xfc\\udcff/miura.svg" in done.stdout
+    assert names_in(folder) == ["miura.svg", "report.json"]
 
 
 def test_python_of_the_readme_runs(here):

@@ -283,6 +283,7 @@ def test_sheets_of_an_earlier_run_are_named(here):
     words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--only", "svg")
     assert "earlier run" not in run(*words, "--copies", 12).output
     others = ["yoshimura_1_2.svg", "yoshimura_2.png", "yoshimura.svg", "my_yoshimura_2.svg"]
+    others += ["yoshimura_2.svg.old", "yoshimura_2_back.txt"]
     for name in others:
         (here / name).touch()
     sheets = [path.name for path in here.glob("yoshimura_?.svg")]
