@@ -225,7 +225,8 @@ def fabricate(
             f"about {sum(sheet['minutes'] for sheet in report['sheets']):.1f} minutes"
         )
         if two_sided:
-            _say(report["sheets"][0]["turn"])
+            others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
+            _say(report["sheets"][0]["turn"] + others)
         _tell_left(left_over(made.files, name, out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)

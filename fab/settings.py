@@ -110,6 +110,8 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
     if kind == "missing":
         return f"{key} is missing. Add it{_about(field)}. {cure}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
+        if not key:
+            return f"{_shown(value)} must be a table of keys. {cure}"
         return f"{key} = {_shown(value)} must be a table, such as [{key}] with keys below it."
     given = f"{key} = {_shown(value)}"
     if kind == "value_error":
