@@ -29,6 +29,7 @@ __all__ = [
     "ScoreStyle",
     "cuts_along",
     "require_kerf",
+    "unscaled_length",
 ]
 
 # What is left of a crease between its margins must be longer than this to be cut; pierces are drawn
@@ -194,6 +195,18 @@ def cuts_along(
     owner = np.concatenate([row.owner for row in rows])
     order = np.argsort(owner, kind="stable")
     return Cuts(np.concatenate(parts)[order], owner[order], np.concatenate(pierced)[order])
+
+
+def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> float:
+    """The room about `near_mm` long in which cuts come out exactly as long as the style says.
+
+    periods : how many there are at least. Styles without a rhythm fit any room.
+    """
+    if isinstance(style, ScoreStyle | EngraveStyle | NoStyle):
+        return near_mm
+    period, marks = _rhythm(style)
+    first = float(marks[0, 1])
+    return first + period * max(periods, round((near_mm - first) / period))
 
 
 def require_kerf(kerf_mm: float) -> None:

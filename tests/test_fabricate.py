@@ -1,6 +1,8 @@
 """From a FOLD file to sheets: pieces, beds, files, the report, and the command line."""
 
 import json
+import os
+import xml.etree.ElementTree as ElementTree
 from io import StringIO
 from pathlib import Path
 
@@ -11,16 +13,21 @@ import shapely
 from click.testing import CliRunner
 from flat_patterns import turned_strip
 from helpers import TEMPLATES, made_template
+from pypdf import PdfReader
 
 from fab.cli import main
+from fab.drawings import SheetFormat
 from fab.errors import InvalidJob, Severity
-from fab.fabricate import SheetFormat, _perforation, fabricate, scaled
+from fab.fabricate import fabricate, left_over, scaled
 from fab.fold_file import fold_bytes
 from fab.job import load_job
 from fab.make import Format, make
-from fab.materials import load_machine, load_material, shipped
+from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
+from fab.perforation import cut_layers
+from fab.shipped import shipped
+from fab.two_sided import Registration
 from solver import InvalidValue
 
 PATTERNS = Path(__file__).parent / "patterns"
@@ -82,7 +89,7 @@ def test_patterns_of_others_come_out_on_the_bed_and_nothing_is_cut_twice(name, m
 def test_every_material_suits_every_machine():
     for machine in shipped("machines"):
         for material in shipped("materials"):
-            style = _perforation(load_machine(machine), load_material(material))
+            style = perforation_for(load_machine(machine), load_material(material))
             whole = load_machine(machine).profile == "whole_lines"
             assert (style.mountain.kind == style.valley.kind == "score") or not whole
 
@@ -228,6 +235,72 @@ def test_the_same_pattern_gives_the_same_bytes():
     assert set(first.files) == {"resch_1.dxf", "resch_1.svg", "resch_1.pdf", "report.json"}
 
 
+def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
+    formats = [SheetFormat.DXF]
+    _, one = sheets_of("yoshimura", "card_300gsm", 300.0, copies=3, formats=formats)
+    _, made = sheets_of(
+        "yoshimura",
+        "card_300gsm",
+        300.0,
+        copies=3,
+        registration=Registration(),
+        formats=formats,
+    )
+    assert made.within_tolerance, made.findings
+    machine = load_machine(MACHINE)
+    scored = perforation_for(machine, load_material("card_300gsm"), scored=True)
+    assert scored.mountain.kind == scored.valley.kind == "score"
+    sheets = made.report["sheets"]
+    assert sum(len(sheet["pieces"]) for sheet in sheets) == 3
+    assert len(sheets) >= len(one.report["sheets"])
+    for number, sheet in enumerate(sheets):
+        names = [f"yoshimura_{number + 1}_{side}.dxf" for side in ("front", "back")]
+        assert sheet["files"] == names
+        front, back = (drawn(made.files[name]) for name in names)
+        assert set(front) == {"ENGRAVE", "MOUNTAIN", "RELIEF"}
+        assert set(back) == {"ENGRAVE", "VALLEY", "CUT"}
+        height = machine.bed_mm[1]
+        over = [
+            shapely.transform(line, lambda p, h=height: p * [1, -1] + [0, h])
+            for own in back.values()
+            for line in own
+        ]
+        both = [*over, *(line for own in front.values() for line in own)]
+        bed = shapely.box(0, 0, *machine.bed_mm).buffer(-machine.margin_mm)
+        assert all(bed.covers(line) for line in both)
+        total = sum(line.length for line in both)
+        assert shapely.union_all(both, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
+        pieces = shapely.union_all([shapely.Polygon(line) for line in over if line.is_ring])
+        assert all(pieces.covers(line) for line in front["MOUNTAIN"])
+        assert sheet["pierces"] == sum(side["pierces"] for side in sheet["sides"])
+        minutes = sum(side["minutes"] for side in sheet["sides"])
+        assert sheet["minutes"] == pytest.approx(minutes, abs=1e-3)
+        assert [side["side"] for side in sheet["sides"]] == ["front", "back"]
+        assert all(name.removesuffix(".dxf") in sheet["turn"] for name in names)
+    # a single sheet of one copy, scored from one side, has the same creases
+    pattern, _ = read_pattern(PATTERNS / "yoshimura.fold")
+    wanted = 3 * sum(layer_length(scaled(pattern, width_mm=300.0), scored).values())
+    assert sum(sheet["perforate_mm"] for sheet in sheets) == pytest.approx(wanted, abs=0.01)
+
+
+def layer_length(pattern, style):
+    layers, _ = cut_layers(pattern, style, load_machine(MACHINE).kerf_mm)
+    return {
+        layer.operation: np.hypot(*np.diff(layer.segments, axis=1)[:, 0].T).sum()
+        for layer in layers
+        if layer.operation in (Operation.MOUNTAIN, Operation.VALLEY)
+    }
+
+
+def test_a_bed_without_room_for_registration_is_refused():
+    machine = load_machine(MACHINE).model_copy(update={"bed_mm": (45.0, 45.0)})
+    pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
+    small = scaled(pattern, width_mm=5.0)
+    material = load_material("copy_paper_80gsm")
+    with pytest.raises(InvalidValue, match="at least 60 mm"):
+        fabricate(small, "small", material, machine, registration=Registration())
+
+
 def test_sizes_are_asked_for_once():
     pattern, _ = read_pattern(PATTERNS / "resch.fold")
     wide = scaled(pattern, width_mm=250.0)
@@ -273,6 +346,55 @@ def test_a_fold_file_becomes_sheets(here):
     assert report["sheets"][0]["minutes"] > 0
     assert all(f["severity"] != Severity.ERROR for f in report["findings"])
     assert "1 pieces, 0 seams, 1 sheets of 300 x 200 mm" in result.output
+
+
+def test_both_sides_are_written_in_every_format(here):
+    words = ("fabricate", PATTERNS / "square_twist.fold", *CARD, "--width-mm", 120, "--two-sided")
+    result = run(*words, "--out", "out")
+    assert result.exit_code == 0, result.output
+    kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
+    assert sorted(path.name for path in (here / "out").iterdir()) == sorted([*kinds, "report.json"])
+    assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
+    again = run(*words[:-1], "--out", "out", "--only", "dxf")
+    assert "note: out/square_twist_1_back.dxf and 5 more of this name are from" in again.output
+    assert (here / "out" / "square_twist_1_back.dxf").exists()
+
+
+def test_sheets_of_an_earlier_run_are_named(here):
+    words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--only", "svg")
+    assert "earlier run" not in run(*words, "--copies", 12).output
+    others = ["yoshimura_1_2.svg", "yoshimura_2.png", "yoshimura.svg", "my_yoshimura_2.svg"]
+    others += ["yoshimura_2.svg.old", "yoshimura_2_back.txt"]
+    for name in others:
+        (here / name).touch()
+    sheets = [path.name for path in here.glob("yoshimura_?.svg")]
+    assert len(sheets) > 1
+    result = run(*words)
+    assert f"note: yoshimura_2.svg{' and' if len(sheets) > 2 else ' is from'}" in result.output
+    left = left_over(["yoshimura_1.svg"], "yoshimura", here)
+    assert [path.name for path in left] == sorted(set(sheets) - {"yoshimura_1.svg"})
+    assert left_over([], "yoshimura", here / "missing") == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
+def test_file_names_of_any_bytes_become_names_that_can_be_read(here):
+    file = os.fsdecode(b'a\x1b[31m\n<b>&"\xff.fold')
+    Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    result = run("fabricate", file, *CARD, "--width-mm", 120, "--out", "out")
+    assert result.exit_code == 0, result.output
+    names = sorted(path.name for path in (here / "out").iterdir())
+    plain = 'a_[31m_<b>&"__1'
+    assert names == sorted(["report.json", *(f"{plain}.{kind}" for kind in SheetFormat)])
+    root = ElementTree.fromstring((here / "out" / f"{plain}.svg").read_bytes())
+    assert root[0].text == plain
+    assert drawn((here / "out" / f"{plain}.dxf").read_bytes())
+    assert PdfReader(here / "out" / f"{plain}.pdf").metadata.title == plain
+
+
+def test_the_name_of_a_test_card_is_whole(here):
+    words = ("--material", "polypropylene_0.5mm", "--machine", "co2_40w_300x200", "--only", "svg")
+    assert run("coupon", *words).exit_code == 0
+    assert [p.name for p in here.iterdir()] == ["coupon_polypropylene_0.5mm_co2_40w_300x200.svg"]
 
 
 def test_a_test_card_is_written(here):
