@@ -12,6 +12,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,8 +41,8 @@ _GAP_KERFS = 4.0
 _CORNER_KERFS = 5.0
 # Lower tabs hold no glue.
 _LEAST_TAB_MM = 1.0
-# More pieces than this take hours to place.
-_MOST_PLACED = 400
+# More pieces than this take hours to place, to put in order and to write.
+_MOST_PLACED = 10_000
 
 Progress = Callable[[str, int, int], None]
 
@@ -110,7 +111,7 @@ def fabricate(
             "copies",
             f"{copies}, {copies * len(pieces.pieces)} pieces in all",
             f"make at most {_MOST_PLACED} pieces",
-            "Placing takes the square of their number: make several runs.",
+            "Make several runs.",
         )
     layers = []
     for number, piece in enumerate(pieces.pieces):
@@ -118,10 +119,12 @@ def fabricate(
         drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
         told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
         layers.append((*drawn, engraved(piece.labels)) if _labelled(pieces) else drawn)
-    tell("nest", 0, 1)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
-    placements = nest(outlines, machine.bed_mm, gap, copies, machine.margin_mm)
+    tell("nest", 0, copies * len(outlines))
+    placements = nest(
+        outlines, machine.bed_mm, gap, copies, machine.margin_mm, partial(tell, "nest")
+    )
     paths = []
     drawn_sheets = sheets(layers, placements, machine.bed_mm)
     for number, sheet in enumerate(drawn_sheets):
