@@ -101,7 +101,8 @@ def fabricate(
     style = _perforation(machine, material)
     tell("split", 0, 1)
     room = SheetSplit(
-        margin_mm=machine.margin_mm + _CORNER_KERFS * machine.kerf_mm,
+        margin_mm=machine.margin_mm,
+        mitre_mm=_CORNER_KERFS * machine.kerf_mm,
         tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
     pieces, found = split(pattern, room, machine.bed_mm)
@@ -118,7 +119,7 @@ def fabricate(
         tell("perforate", number, len(pieces.pieces))
         drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
         told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
-        layers.append((*drawn, engraved(piece.labels)) if _labelled(pieces) else drawn)
+        layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
     tell("nest", 0, copies * len(outlines))
@@ -172,10 +173,6 @@ def _perforation(machine: Machine, material: Material) -> PerforationSettings:
         return PerforationSettings.model_validate({**document, "relief": relief})
     except ValidationError as error:
         raise InvalidJob(f"perforation of {material.description}: {error}") from error
-
-
-def _labelled(pieces: Pieces) -> bool:
-    return len(pieces.pieces) > 1 or len(pieces.seams) > 0
 
 
 def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:

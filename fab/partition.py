@@ -53,6 +53,7 @@ class Sheet:
         first face's: shape (ne, 2, 2, 2): edge, side that carries the tab, end, coordinate.
     glued : boundary edges that are to get a tab, shape (ne,).
     room_mm : what a piece has room in, width and height.
+    room_told : what that is, for messages.
     """
 
     pattern: CreasePattern
@@ -60,6 +61,7 @@ class Sheet:
     reach: FloatArray
     glued: BoolArray
     room_mm: tuple[float, float]
+    room_told: str = "the room of a piece"
 
     @cached_property
     def sides(self) -> _Lists:
@@ -276,7 +278,7 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
             raise InvalidValue(
                 f"size of face {face} with its tabs",
                 f"{box[0]:.6g} x {box[1]:.6g} mm",
-                f"fit {width:.6g} x {height:.6g} mm, the bed without its margins",
+                f"fit {width:.6g} x {height:.6g} mm, {faces.sheet.room_told}",
                 "Make the sheet smaller, lower tab_mm or margin_mm, or use a larger bed.",
             )
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from helpers import TEMPLATES, published
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -16,7 +16,7 @@ from fab import partition
 from fab.crease import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.development import develop, overlapping_faces
 from fab.job import load_job
-from fab.labels import text_outlines
+from fab.labels import highest, text_outlines, text_width
 from fab.partition import Sheet, extent
 from fab.pieces import Pieces, SheetSplit, split
 from fab.polygons import ring_areas
@@ -140,8 +140,9 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
     assert not cut & kept
     assert [seam.label for seam in seams] == list(range(1, len(seams) + 1))
     written = [Counter(label.text for label in piece.labels) for piece in pieces]
-    for number, count in enumerate(written):
-        assert count[pieces[number].name] == 1
+    for piece, count in zip(pieces, written, strict=True):
+        count.update(piece.unwritten)
+        assert count[piece.name] == 1
     assembled = {0}
     for seam in seams:
         for side in (0, 1):
@@ -160,14 +161,15 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
 
 
 def check_labels(piece) -> None:
-    """Letters stay on the piece and clear of each other."""
+    """Letters can be read, stay on a face and clear of each other."""
     own = piece.pattern
-    sheet = shapely.union_all(shapely.buffer(polygons_of(own), 1e-6, join_style="mitre"))
+    faces = shapely.buffer(polygons_of(own), 1e-6, join_style="mitre")
     boxes = []
     for label in piece.labels:
         rings = text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
         every = np.concatenate(rings)
-        assert sheet.covers(shapely.multipoints(every))
+        assert label.height_mm >= 1
+        assert (shapely.covers(faces, shapely.multipoints(every))).any(), "crosses a crease"
         boxes.append(shapely.multipoints(every).convex_hull)
     one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
     assert (one == two).all()
@@ -200,9 +202,11 @@ def test_a_slit_is_no_seam_and_an_edge_to_be_cut_joins_nothing():
     ).all(axis=1)
     letter = np.where(middle, "C", pattern.edges_assignment)
     cut = dataclasses.replace(pattern, edges_assignment=letter)
-    made, _ = split(cut, SheetSplit(), (100.0, 100.0))
+    made, (finding,) = split(cut, SheetSplit(), (100.0, 100.0))
     assert [len(piece.faces) for piece in made.pieces] == [2, 2]
     assert made.seams == ()
+    assert "2 pieces without seams" in finding.text
+    assert "Glue" not in finding.text
 
 
 def carried(made: Pieces) -> list[int]:
@@ -525,6 +529,38 @@ def test_what_is_found_of_a_set_from_its_faces_alone_holds_in_the_whole_sheet(se
     assert hulls[0].equals(hulls[1])
 
 
+def test_names_stand_where_they_cross_no_crease_and_as_high_as_there_is_room():
+    """Of two squares joined by a strip, the one without seams; a long face turns its name."""
+    coords = [[0, 0], [30, 0], [30, 30], [0, 30], [35, 0], [35, 30], [65, 0], [65, 30]]
+    pattern = flat_pattern(coords, [(0, 1, 2, 3), (1, 4, 5, 2), (4, 6, 7, 5)])
+    made, _ = split(pattern, SheetSplit(), (200.0, 200.0))
+    (name,) = made.pieces[0].labels
+    assert (name.text, name.height_mm, name.angle_deg) == ("A", 8.0, 0.0)
+    assert name.at[0] == pytest.approx(15, abs=1)
+    assert abs(name.at[1] - 32.5) == pytest.approx(17.5, abs=1)
+    slope = flat_pattern([[0, 0], [60, 60], [57, 63], [-3, 3]], [(0, 1, 2, 3)])
+    room = polygons_of(slope)[0]
+    level, along = (
+        highest("ABC", np.array([28.5, 31.5]), angle, room) for angle in (0.0, np.pi / 4)
+    )
+    assert along == pytest.approx(3 * np.sqrt(2) / 1.2)
+    assert along > 2 * level
+
+
+@given(st.integers(0, 10**6), st.floats(0, 7))
+def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
+    random = np.random.default_rng(seed)
+    angle = np.sort(random.uniform(0, 2 * np.pi, 9))
+    assume(np.diff([*angle, angle[0] + 2 * np.pi]).max() < 3)
+    radius = random.uniform(5, 20, 9)
+    room = shapely.Polygon(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]))
+    height = highest("B7", np.zeros(2), slant, room)
+    for share, inside in ((1 - 1e-9, True), (1 + 1e-6, False)):
+        half = share * height * np.array([(text_width("B7") + 0.4) / 2, 0.6])
+        box = shapely.affinity.rotate(shapely.box(*-half, *half), slant, (0, 0), use_radians=True)
+        assert room.covers(box) == inside
+
+
 def test_names_run_on_after_z():
     made, _ = split(grid(28, 1, 30.0), SheetSplit(tabs=False), (42.0, 42.0))
     assert [piece.name for piece in made.pieces][-3:] == ["Z", "AA", "AB"]
@@ -545,13 +581,22 @@ def test_seams_without_room_for_a_tab_are_named():
     made, findings = split(grid(4, 1, 1.2), SheetSplit(margin_mm=0, tab_mm=1), (3.5, 3.5))
     (finding,) = [f for f in findings if f.code == "tab-no-room"]
     assert set(finding.creases) == {seam.edges[0] for seam in made.seams}
-    assert "label-too-small" in [f.code for f in findings]
+    (finding,) = [f for f in findings if f.code == "label-too-small"]
+    assert "4 labels are left out" in finding.text
+    assert "letters of 1 mm" in finding.text
+    assert all(piece.labels == () for piece in made.pieces)
+    assert made.pieces[0].unwritten == ("A", "1")
 
 
 @pytest.mark.parametrize(
     ("bed", "name"),
     [
-        ((50.0, 49.0), "size of face 1 with its tabs = 46 x 38 mm .* fit 40 x 39 mm"),
+        (
+            (50.0, 49.0),
+            "size of face 1 with its tabs = 46 x 38 mm .* fit 39 x 38 mm, the bed of 50 x 49 mm "
+            r"less 5.5 mm on each side \(margin 5 mm, mitres of the cut 0.5 mm\)",
+        ),
+        ((11.0, 100.0), r"bed width = 11 mm .* 2 x 5.5 mm, what is kept free \(margin 5 mm, "),
         ((10.0, 100.0), "bed width = 10 mm"),
         ((100.0, -1.0), "bed height"),
         ((np.nan, 100.0), "bed width"),
@@ -559,7 +604,7 @@ def test_seams_without_room_for_a_tab_are_named():
 )
 def test_beds_that_are_too_small_are_refused(bed, name):
     with pytest.raises(InvalidValue, match=name):
-        split(grid(4, 4, 30.0), SheetSplit(), bed)
+        split(grid(4, 4, 30.0), SheetSplit(mitre_mm=0.5), bed)
 
 
 def test_faces_that_cannot_be_cut_out_are_refused():
