@@ -13,6 +13,7 @@ import json
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -43,8 +44,8 @@ _GAP_KERFS = 4.0
 _CORNER_KERFS = 5.0
 # Lower tabs hold no glue.
 _LEAST_TAB_MM = 1.0
-# More pieces than this take hours to place.
-_MOST_PLACED = 400
+# More pieces than this take hours to place, to put in order and to write.
+_MOST_PLACED = 10_000
 
 
 def scaled(
@@ -98,7 +99,8 @@ def fabricate(
     margin_mm = machine.margin_mm + (registration.border_mm if registration is not None else 0.0)
     tell("split", 0, 1)
     room = SheetSplit(
-        margin_mm=margin_mm + _CORNER_KERFS * machine.kerf_mm,
+        margin_mm=margin_mm,
+        mitre_mm=_CORNER_KERFS * machine.kerf_mm,
         tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
     pieces, found = split(pattern, room, machine.bed_mm)
@@ -108,18 +110,18 @@ def fabricate(
             "copies",
             f"{copies}, {copies * len(pieces.pieces)} pieces in all",
             f"make at most {_MOST_PLACED} pieces",
-            "Placing takes the square of their number: make several runs.",
+            "Make several runs.",
         )
     layers = []
     for number, piece in enumerate(pieces.pieces):
         tell("perforate", number, len(pieces.pieces))
         drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
         told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
-        layers.append((*drawn, engraved(piece.labels)) if _labelled(pieces) else drawn)
-    tell("nest", 0, 1)
+        layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
-    placements = nest(outlines, machine.bed_mm, gap, copies, margin_mm)
+    tell("nest", 0, copies * len(outlines))
+    placements = nest(outlines, machine.bed_mm, gap, copies, margin_mm, partial(tell, "nest"))
     files: dict[str, bytes] = {}
     listed: list[dict[str, Any]] = []
     drawn_sheets = sheets(layers, placements, machine.bed_mm)
@@ -188,10 +190,6 @@ def _side(
     work = dataclasses.asdict(estimate(ordered, _speeds(machine, material)))
     files = drawing_files(ordered, name, formats, machine.colours, machine.dxf_version)
     return files, {key: _round(value) for key, value in work.items()}
-
-
-def _labelled(pieces: Pieces) -> bool:
-    return len(pieces.pieces) > 1 or len(pieces.seams) > 0
 
 
 def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:

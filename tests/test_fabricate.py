@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 from io import StringIO
 from pathlib import Path
@@ -11,9 +13,12 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from flat_patterns import turned_strip
+from flat_patterns import grid, triangles, turned_strip
 from helpers import TEMPLATES, made_template
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from pypdf import PdfReader
+from scipy.spatial import cKDTree
 
 from fab.cli import main
 from fab.drawings import SheetFormat
@@ -26,6 +31,8 @@ from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
 from fab.perforation import cut_layers
+from fab.pieces import split
+from fab.polygons import ring_areas
 from fab.shipped import shipped
 from fab.two_sided import Registration
 from solver import InvalidValue
@@ -46,6 +53,20 @@ def sheets_of(name, material, width_mm=400.0, **choices):
         findings=findings,
         **choices,
     )
+
+
+def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
+    """What is made, and the pieces that it is made of."""
+    kept = []
+
+    def kept_split(*given_):
+        kept.append(split(*given_))
+        return kept[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fab.fabricate.split", kept_split)
+        made = fabricate(pattern, name, load_material(material), machine, **choices)
+    return kept[0][0], made
 
 
 def drawn(data):
@@ -84,6 +105,52 @@ def test_patterns_of_others_come_out_on_the_bed_and_nothing_is_cut_twice(name, m
         perforated = sum(line.length for key in ("MOUNTAIN", "VALLEY") for line in lines[key])
         assert sheet["perforate_mm"] == pytest.approx(perforated, abs=0.01)
         assert sheet["pierces"] == len(through)
+
+
+@st.composite
+def random_patterns(draw):
+    """Triangles anywhere, or squares with holes and cuts; some larger than the bed."""
+    if draw(st.booleans()):
+        return scaled(triangles(draw(st.integers(0, 10**6))), width_mm=draw(st.floats(100, 300)))
+    places = st.tuples(st.integers(0, 5), st.integers(0, 4))
+    cuts = [(i, i + 1) for i in draw(st.sets(st.integers(7, 33), max_size=4)) if (i + 1) % 7]
+    return grid(6, 5, draw(st.floats(25, 60)), draw(st.sets(places, max_size=12)), cuts)
+
+
+@given(
+    random_patterns(),
+    st.sampled_from(["copy_paper_80gsm", "plywood_3mm", "card_300gsm"]),
+    st.integers(1, 2),
+)
+@settings(max_examples=12)
+def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, copies):
+    """All pieces inside the bed and apart, of the right area; nothing is cut twice."""
+    machine = load_machine("co2_40w_300x200")
+    pieces, made = with_pieces(
+        pattern, "any", machine, material, copies=copies, formats=[SheetFormat.DXF]
+    )
+    every = np.concatenate([piece.faces[piece.faces >= 0] for piece in pieces.pieces])
+    assert sorted(every.tolist()) == list(range(pattern.face_count))
+    bed = shapely.box(0, 0, *machine.bed_mm).buffer(-machine.margin_mm + 1e-5)
+    kept = 0.0
+    for sheet in made.report["sheets"]:
+        lines = drawn(made.files[sheet["files"][0]])
+        assert all(bed.covers(line) for layer in lines.values() for line in layer)
+        through = [line for layer, own in lines.items() if layer != "ENGRAVE" for line in own]
+        total = sum(line.length for line in through)
+        assert shapely.union_all(through, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
+        rings = [line for line in lines["CUT"] if line.is_ring]
+        outlines = shapely.get_parts(shapely.build_area(shapely.union_all(rings)))
+        assert len(outlines) == len(sheet["pieces"])
+        one, two = shapely.STRtree(outlines).query(outlines, "dwithin", distance=1.9)
+        assert (one == two).all()
+        cores = shapely.buffer(outlines, -machine.kerf_mm / 2, join_style="mitre", mitre_limit=9)
+        kept += float(shapely.area(cores).sum())
+    whole = sum(
+        ring_areas(p.vertices_coords[p.faces_vertices], p.faces_offsets).sum()
+        for p in (piece.pattern for piece in pieces.pieces)
+    )
+    assert kept == pytest.approx(copies * whole, rel=1e-3)
 
 
 def test_every_material_suits_every_machine():
@@ -213,6 +280,44 @@ def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
         assert "times as large" in told[code]
 
 
+@pytest.mark.parametrize("name", ["nested_cones", "elliptic_ring", "twisted_squares"])
+def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
+    made = make(load_job(TEMPLATES / f"{name}.toml"), [Format.FOLD])
+    (tmp_path / "ring.fold").write_bytes(made.files[f"{name}.fold"])
+    pattern, _ = read_pattern(tmp_path / "ring.fold")
+    pattern = scaled(pattern, factor=5.0)
+    machine = load_machine(MACHINE)
+    bed = tuple(np.ptp(pattern.vertices_coords, axis=0) + 100.0)
+    pieces, made = with_pieces(
+        pattern, "ring", machine.model_copy(update={"bed_mm": bed}), formats=[SheetFormat.SVG]
+    )
+    (piece,) = pieces.pieces
+    # of the folded form: edges of one face each that lie on each other
+    border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
+    middle = pattern.folded_coords[pattern.edges_vertices[border]].mean(axis=1)
+    meeting = border[cKDTree(middle).query(middle, k=2)[0][:, 1] < 1e-5]
+    assert sorted(e for seam in pieces.seams for e in seam.edges) == meeting.tolist()
+    assert len(meeting) > 0
+    bare = {seam.edges[0] for seam in pieces.seams if seam.tab is None}
+    named = [f.creases for f in made.findings if f.code == "tab-no-room"]
+    assert bare == {edge for creases in named for edge in creases}
+    assert len(bare) < len(pieces.seams)
+    assert len(piece.unwritten) < len(pieces.seams)
+    rows = made.report["glue_up"]
+    assert [row["label"] for row in rows] == [seam.label for seam in pieces.seams]
+    for row, seam in zip(rows, pieces.seams, strict=True):
+        assert row["pieces"] == ["A", "A"]
+        assert row["length_mm"] == pytest.approx(seam.length_mm, abs=1e-4)
+        written = [label for label in piece.labels if label.text == str(seam.label)]
+        missing = piece.unwritten.count(str(seam.label))
+        for edge in seam.piece_edges:
+            face = piece.pattern.edges_faces[edge, 0]
+            i, j = piece.pattern.faces_offsets[face : face + 2]
+            corners = piece.pattern.vertices_coords[piece.pattern.faces_vertices[i:j]]
+            beside = [shapely.Polygon(corners).covers(shapely.Point(x.at)) for x in written]
+            assert sum(beside) == 1 or (missing and not any(beside))
+
+
 def test_threads_of_pieces_are_placed_or_refused(tmp_path):
     ribbon = made_template("brownian_ribbon_400").files["brownian_ribbon_400.fold"]
     (tmp_path / "ribbon.fold").write_bytes(ribbon)
@@ -299,6 +404,39 @@ def test_a_bed_without_room_for_registration_is_refused():
     material = load_material("copy_paper_80gsm")
     with pytest.raises(InvalidValue, match="at least 60 mm"):
         fabricate(small, "small", material, machine, registration=Registration())
+
+
+_RIBBON = """
+import hashlib, sys
+from fab.drawings import SheetFormat
+from fab.fabricate import fabricate, scaled
+from fab.materials import load_machine, load_material
+from fab.pattern_file import read_pattern
+made = fabricate(
+    scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon",
+    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"),
+    formats=[SheetFormat.SVG],
+)
+for name, data in sorted(made.files.items()):
+    print(name, hashlib.sha256(data).hexdigest())
+"""
+
+
+def test_threads_of_pieces_are_placed_alike_in_every_process(tmp_path):
+    """Where hulls stand for needles, and whatever order sets and dicts of strings have."""
+    made = make(load_job(TEMPLATES / "brownian_ribbon_400.toml"), [Format.FOLD])
+    (tmp_path / "ribbon.fold").write_bytes(made.files["brownian_ribbon_400.fold"])
+    told = [
+        subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", _RIBBON, str(tmp_path / "ribbon.fold")],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "77")
+    ]
+    assert told[0] == told[1]
+    assert len(told[0].splitlines()) > 2
 
 
 def test_sizes_are_asked_for_once():
@@ -411,7 +549,7 @@ def test_a_test_card_is_written(here):
         (("--material", "card_300gsm", "--machine", "laser"), "machine 'laser' must be one of"),
         ((*CARD, "--scale", "-1"), "scale = -1"),
         ((*CARD, "--copies", "0"), "copies = 0"),
-        ((*CARD, "--width-mm", "100", "--copies", "5000"), "copies = 5000"),
+        ((*CARD, "--width-mm", "100", "--copies", "20000"), "copies = 20000"),
         ((*CARD, "--width-mm", "1e-9"), "narrower than the kerf"),
         ((*CARD, "--only", "dwg"), "must be among dxf,svg,pdf"),
         ((*CARD, "--width-mm", "1e9"), "face"),
