@@ -26,9 +26,6 @@ from solver.errors import InvalidValue, OrigamiError
 
 __all__ = ["main"]
 
-_PACKAGED = Path(__file__).parent / "templates"
-_CHECKED_OUT = Path(__file__).parent.parent / "templates"
-
 
 @contextmanager
 def _answers() -> Iterator[_Interrupts]:
@@ -80,9 +77,14 @@ class _Interrupts:
 
 
 def _say(text: str, *, error: bool = False) -> None:
-    """Print a line; a closed pipe or full disk behind stdout does not change what was made."""
+    """Print a line; a closed pipe or full disk behind stdout does not change what was made.
+
+    What the terminal cannot show, such as bytes of a file name that are no text, is escaped.
+    """
+    stream = sys.stderr if error else sys.stdout
+    encoding = getattr(stream, "encoding", None) or "utf-8"
     with suppress(OSError):
-        click.echo(text, err=error)
+        click.echo(text.encode(encoding, "backslashreplace").decode(encoding), err=error)
 
 
 _OUT = click.option(
@@ -149,10 +151,8 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
         )
         if report["growth"]["coverage"] is not None:
             _say(f"{report['growth']['coverage']:.1%} of the surface lies under the sheet")
-        for kind in formats:
-            left = out / f"{loaded.name}.{kind}"
-            if left.name not in made.files and left.exists():
-                _say(f"note: {left} is from an earlier run", error=True)
+        left = [out / f"{loaded.name}.{kind}" for kind in formats]
+        _tell_left([path for path in left if path.name not in made.files and path.exists()])
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -165,6 +165,11 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
 @click.option("--width-mm", default=None, type=float, help="Longer side of the flat sheet.")
 @click.option("--scale", default=None, type=float, help="Times the size in the file.")
 @click.option("--copies", default=1, show_default=True, type=int, help="How many of the model.")
+@click.option(
+    "--two-sided",
+    is_flag=True,
+    help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
+)
 @_ONLY_SHEETS
 @click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
 def fabricate(
@@ -175,28 +180,34 @@ def fabricate(
     width_mm: float | None,
     scale: float | None,
     copies: int,
+    two_sided: bool,
     only: str | None,
     dry_run: bool,
 ) -> None:
     """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
     with _answers() as interrupts:
-        from fab.fabricate import SheetFormat, fabricate, scaled
+        from fab.drawings import SheetFormat
+        from fab.fabricate import fabricate, left_over, scaled
         from fab.make import require_folder, write
         from fab.materials import load_machine, load_material
         from fab.pattern_file import read_pattern
+        from fab.titles import plain_title
+        from fab.two_sided import Registration
 
         stuff, cutter = load_material(material), load_machine(machine)
         formats = _formats(only, SheetFormat) or list(SheetFormat)
         require_folder(out)
         pattern, findings = read_pattern(file)
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
+        name = plain_title(file.stem)
         with _progress(interrupts) as progress:
             made = fabricate(
                 pattern,
-                file.stem,
+                name,
                 stuff,
                 cutter,
                 copies=copies,
+                registration=Registration() if two_sided else None,
                 formats=formats,
                 findings=findings,
                 progress=progress,
@@ -205,14 +216,18 @@ def fabricate(
         if not dry_run:
             write(made, out)
         verb = "would write" if dry_run else "wrote"
-        for name, data in made.files.items():
-            _say(f"{verb} {out / name}  {len(data)} bytes")
+        for file_name, data in made.files.items():
+            _say(f"{verb} {out / file_name}  {len(data)} bytes")
         report = made.report
         _say(
             f"{len(report['pieces'])} pieces, {len(report['glue_up'])} seams, "
             f"{len(report['sheets'])} sheets of {cutter.bed_mm[0]:g} x {cutter.bed_mm[1]:g} mm, "
             f"about {sum(sheet['minutes'] for sheet in report['sheets']):.1f} minutes"
         )
+        if two_sided:
+            others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
+            _say(report["sheets"][0]["turn"] + others)
+        _tell_left(left_over(made.files, name, out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -226,15 +241,19 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
     """Make a test card that finds a machine's kerf and the best dashes for a material."""
     with _answers():
         from fab.coupon import coupon
-        from fab.fabricate import SheetFormat, coupon_files
+        from fab.drawings import SheetFormat, drawing_files
         from fab.make import Made, require_folder, write
         from fab.materials import load_machine, load_material
+        from fab.titles import plain_title
+        from fab.tour import tour
 
         stuff, cutter = load_material(material), load_machine(machine)
         formats = _formats(only, SheetFormat) or list(SheetFormat)
         require_folder(out)
-        name = f"coupon_{Path(material).stem}_{Path(machine).stem}"
-        files = coupon_files(coupon(cutter, stuff), name, cutter, formats)
+        names = [Path(word).name.removesuffix(".toml") for word in (material, machine)]
+        name = plain_title("_".join(["coupon", *names]))
+        paths = tour(coupon(cutter, stuff))
+        files = drawing_files(paths, name, formats, cutter.colours, cutter.dxf_version)
         write(Made(files, {}, ()), out)
         for file, data in files.items():
             _say(f"wrote {out / file}  {len(data)} bytes")
@@ -246,7 +265,7 @@ def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
     with _answers():
         from fab.materials import load_machine, load_material
-        from fab.materials import shipped as known
+        from fab.shipped import shipped as known
 
         load = load_material if kind == "materials" else load_machine
         names = known("materials" if kind == "materials" else "machines")
@@ -259,10 +278,13 @@ def shipped(kind: str) -> None:
 def templates() -> None:
     """List the shipped jobs, one line each."""
     with _answers():
-        width = max(len(path.stem) for path in _template_files())
-        for path in _template_files():
+        from fab.shipped import shipped as known
+
+        names = known("jobs")
+        width = max(map(len, names))
+        for name, path in names.items():
             description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            _say(f"{path.stem:<{width}}  {description}")
+            _say(f"{name:<{width}}  {description}")
 
 
 @main.command()
@@ -271,7 +293,9 @@ def templates() -> None:
 def new(template: str, out: Path | None) -> None:
     """Copy a shipped job to a file of your own, to edit."""
     with _answers():
-        known = {path.stem: path for path in _template_files()}
+        from fab.shipped import shipped as files_of
+
+        known = files_of("jobs")
         if template not in known:
             close = difflib.get_close_matches(template, known, 1, 0.6)
             hint = f" Did you mean {close[0]}?" if close else ""
@@ -342,9 +366,11 @@ def _tell(findings: Sequence[Finding]) -> None:
         _say(f"{alike[0].severity}: {code}: {alike[0].text}{more}", error=True)
 
 
-def _template_files() -> list[Path]:
-    folder = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
-    return sorted(folder.glob("*.toml"))
+def _tell_left(left: Sequence[Path]) -> None:
+    """One line for files of the same name that were there before and were not made anew."""
+    if left:
+        more = f" and {len(left) - 1} more of this name are" if len(left) > 1 else " is"
+        _say(f"note: {left[0]}{more} from an earlier run", error=True)
 
 
 Kind = TypeVar("Kind", bound=StrEnum)

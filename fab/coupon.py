@@ -12,11 +12,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from pydantic import ValidationError
 
-from fab.materials import Machine, Material, Style, perforation_for
+from fab.labels import text_outlines, text_width
+from fab.materials import Machine, Material, perforation_for
 from fab.paths import CutPaths, Layer, Operation, joined
+from fab.styles import CreaseStyle, EngraveStyle, LatticeStyle, cuts_along, unscaled_length
 from solver.errors import InvalidValue
-from solver.vectors import FloatArray
 
 __all__ = ["coupon"]
 
@@ -27,6 +29,13 @@ _LETTER_MM = 2.5
 _TONGUE_MM = 20.0
 _TAB_MM = 10.0
 _SLOTS = 9
+# The two lengths of each kind of style that are tried.
+_TRIED = {
+    "dots": ("dot_mm", "pitch_mm"),
+    "dashes": ("cut_mm", "gap_mm"),
+    "dash_dot": ("cut_mm", "gap_mm"),
+    "lattice": ("cut_mm", "gap_mm"),
+}
 
 
 @dataclass(frozen=True)
@@ -41,7 +50,7 @@ class _Block:
 
 
 def coupon(machine: Machine, material: Material) -> CutPaths:
-    """The test card, as large as need be and within the bed's margins.
+    """The test card on the bed, as large as need be, in the lower left corner of its margins.
 
     For machines whose software perforates by itself the creases are whole lines, one of each
     letter: there the software's own cut and skip lengths are tried. Raises `InvalidValue` where
@@ -58,7 +67,8 @@ def coupon(machine: Machine, material: Material) -> CutPaths:
             card = _framed(_above([comb, stacked(tables)]))
             size = card.size
             if size[0] <= room[0] and size[1] <= room[1]:
-                return CutPaths(joined(card.layers), size)
+                corner = machine.margin_mm
+                return CutPaths(joined(card.at(corner, corner)), machine.bed_mm)
     bound = f"be at least {size[0]:.4g} x {size[1]:.4g} mm within its margins"
     cure = "Take a machine with a larger bed, or shorter starting values."
     raise InvalidValue("bed", f"{room[0]:g} x {room[1]:g} mm", bound, cure)
@@ -87,98 +97,63 @@ def _framed(block: _Block) -> _Block:
     return _Block((*block.at(_SPACE_MM, _SPACE_MM), frame), (width, height))
 
 
-def _table(letter: Operation, style: Style, shares: Sequence[float], material: Material) -> _Block:
-    """Tongues with cuts of all shares (columns) by gaps of all shares (rows)."""
-    kind = style["kind"]
-    first, second = {
-        "dots": ("dot_mm", "pitch_mm"),
-        "dashes": ("cut_mm", "gap_mm"),
-        "dash_dot": ("cut_mm", "gap_mm"),
-        "lattice": ("cut_mm", "gap_mm"),
-    }.get(str(kind), ("", ""))
-    if not first:
-        return _tongue(letter, style, f"{letter[0]} {kind}", _TONGUE_MM, material)
-    base = (float(style[first]), float(style[second]))
-    width = max(_TONGUE_MM, 2.5 * sum(base))
-    tongues = []
+def _table(
+    letter: Operation, style: CreaseStyle, shares: Sequence[float], material: Material
+) -> _Block:
+    """Tongues with cuts of all shares (columns) by gaps of all shares (rows).
+
+    Those that no style allows, such as dots as long as their pitch, are left out.
+    """
+    keys = _TRIED.get(style.kind)
+    if keys is None:
+        return _tongue(letter, style, f"{letter[0]} {style.kind}", _TONGUE_MM, material)
+    base = style.model_dump()
+    width = max(_TONGUE_MM, 2.5 * sum(base[key] for key in keys))
+    rows = []
     for gap in shares:
+        row = []
         for cut in shares:
-            tried = {**style, first: round(cut * base[0], 2), second: round(gap * base[1], 2)}
-            label = f"{letter[0]} {tried[first]:g}/{tried[second]:g}"
-            tongues.append(_tongue(letter, tried, label, width, material))
-    cell = max(tongue.size[0] for tongue in tongues)
-    cells = [replace(tongue, size=(cell, tongue.size[1])) for tongue in tongues]
-    count = len(shares)
-    return _above([_beside(cells[i : i + count]) for i in range(0, len(cells), count)])
+            lengths = [round(s * base[key], 2) for s, key in zip((cut, gap), keys, strict=True)]
+            label = f"{letter[0]} {lengths[0]:g}/{lengths[1]:g}"
+            try:
+                tried = type(style).model_validate(base | dict(zip(keys, lengths, strict=True)))
+            except ValidationError:
+                row.append(_Block((), (0.0, 0.0)))
+            else:
+                row.append(_tongue(letter, tried, label, width, material))
+        rows.append(row)
+    cell = max(tongue.size[0] for row in rows for tongue in row)
+    return _above([_beside([replace(t, size=(cell, t.size[1])) for t in row]) for row in rows])
 
 
 def _tongue(
-    letter: Operation, style: Style, label: str, wanted: float, material: Material
+    letter: Operation, style: CreaseStyle, label: str, wanted: float, material: Material
 ) -> _Block:
     """A tongue cut free on three sides; the fourth, above, is the crease. About `wanted` wide."""
-    marks, length = _marks(style, wanted)
+    length = unscaled_length(style, wanted)
     margin = material.perforation.margin_mm
     width = length + 2 * margin
-    half = float(np.ptp(marks[..., 1])) / 2 if len(marks) else 0.0
+    half = style.width_mm / 2 if isinstance(style, LatticeStyle) else 0.0
     bottom = 2 * _LETTER_MM
     middle = bottom + max(10.0, 3 * material.thickness_mm) + half
     top = middle + half
+    crease = np.array([[[0, middle], [width, middle]]])
     free = np.array([[0, top], [0, bottom], [width, bottom], [width, top]])
-    made = Operation.ENGRAVE if style["kind"] == "engrave" else letter
-    words = tuple(_text_outlines(label, _LETTER_MM, (0, _LETTER_MM / 2), 0.0))
-    text_width = max(float(outline[:, 0].max()) for outline in words)
+    made = Operation.ENGRAVE if isinstance(style, EngraveStyle) else letter
+    text_mm = text_width(label) * _LETTER_MM
     layers = (
-        Layer(Operation.ENGRAVE, outlines=words),
-        Layer(made, marks + np.array([margin, middle])),
+        _text(label, _LETTER_MM, text_mm / 2),
+        Layer(made, cuts_along(crease, style, margin).segments),
         Layer(Operation.CUT, np.stack([free[:-1], free[1:]], axis=1)),
     )
-    return _Block(layers, (max(width, text_width), top + _SPACE_MM))
+    return _Block(layers, (max(width, text_mm), top + _SPACE_MM))
 
 
-def _marks(style: Style, wanted: float) -> tuple[FloatArray, float]:
-    """Cuts of a style along the x axis from 0 on, shape (n, 2, 2), and how far they go."""
-    kind = style["kind"]
-    if kind == "none":
-        return np.empty((0, 2, 2)), wanted
-    if kind in ("score", "engrave"):
-        spans = np.array([[0.0, wanted]])
-    elif kind == "dots":
-        dot, pitch = float(style["dot_mm"]), float(style["pitch_mm"])
-        spans = _whole([dot], [max(pitch - dot, dot)], wanted)
-    elif kind == "dash_dot":
-        gap = float(style["gap_mm"])
-        spans = _whole([float(style["cut_mm"]), float(style["dot_mm"])], [gap, gap], wanted)
-    else:
-        spans = _whole([float(style["cut_mm"])], [float(style["gap_mm"])], wanted)
-    length = float(spans[-1, 1])
-    rows, pitch = (1, 0.0)
-    if kind == "lattice":
-        rows, pitch = int(style["rows"]), float(style["pitch_mm"])
-    out = []
-    for row in range(rows):
-        x = spans if row % 2 == 0 else _between(spans)
-        out.append(np.stack([x, np.full_like(x, (row - (rows - 1) / 2) * pitch)], axis=-1))
-    return np.concatenate(out), length
-
-
-def _whole(cuts: Sequence[float], gaps: Sequence[float], wanted: float) -> FloatArray:
-    """From and to of cuts and gaps in turn, two periods at least, about `wanted` long, (n, 2).
-
-    They begin and end with the first cut, and have exactly the lengths that the label names.
-    """
-    count = max(2, round((wanted - cuts[0]) / (sum(cuts) + sum(gaps))))
-    period = [length for pair in zip(cuts, gaps, strict=True) for length in pair]
-    ends = np.concatenate([[0.0], np.cumsum([*period * count, cuts[0]])])
-    return ends.reshape(-1, 2)
-
-
-def _between(spans: FloatArray) -> FloatArray:
-    """The row next to `spans` in a lattice: cuts across its gaps, shortened at both ends."""
-    gap = float(spans[1, 0] - spans[0, 1])
-    middles = spans.mean(axis=1)
-    starts = np.concatenate([spans[:1, 0], middles + gap / 2])
-    ends = np.concatenate([middles - gap / 2, spans[-1:, 1]])
-    return np.column_stack([starts, ends])[ends > starts]
+def _text(text: str, height_mm: float, middle: float) -> Layer:
+    """A line of text in the strip below what it names, its middle at this x."""
+    return Layer(
+        Operation.ENGRAVE, outlines=text_outlines(text, height_mm, (middle, _LETTER_MM), 0.0)
+    )
 
 
 def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
@@ -200,7 +175,7 @@ def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
             slots.append(np.array([[x, low], [x + wide, low], [x + wide, high], [x, high]]))
         else:
             slits.append([[x, low], [x, low + length]])
-        words += _text_outlines(f"{kerf:.2f}", _LETTER_MM * 0.8, (x - 3.0, _LETTER_MM / 2), 0.0)
+        words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
     x, low, shoulder = _SLOTS * pitch + _SPACE_MM, 1.0, 4.0
     tab = np.array(
         [
@@ -216,17 +191,4 @@ def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
     ) + np.array([x, low])
     cut = Layer(Operation.CUT, np.array(slits).reshape(-1, 2, 2), (*slots, tab))
     size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))
-    return _Block((Layer(Operation.ENGRAVE, outlines=tuple(words)), cut), size)
-
-
-def _text_outlines(
-    text: str, height_mm: float, at: tuple[float, float], angle_deg: float
-) -> list[FloatArray]:
-    """Closed outlines of letters, the first one's lower left corner at `at`, each (m, 2)."""
-    from matplotlib.textpath import TextPath
-
-    path = TextPath((0, 0), text, size=height_mm / 0.73)  # capitals of the font are 0.73 high
-    turn = np.radians(angle_deg)
-    onto = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-    polygons = [np.asarray(polygon) for polygon in path.to_polygons()]
-    return [polygon[:-1] @ onto + np.array(at) for polygon in polygons if len(polygon) > 3]
+    return _Block((*words, cut), size)

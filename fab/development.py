@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -225,20 +224,22 @@ def overlapping_faces(
     same_way = len(loops) == 1 and areas.min() > 0
     if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):
         return np.empty((0, 2), np.int64)
-    return np.array(list(_overlapping_pairs(flat[corner], offsets)), np.int64).reshape(-1, 2)
+    return _overlapping_pairs(flat[corner], offsets)
 
 
-def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> Iterator[tuple[int, int]]:
+def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> IntArray:
+    """Faces that cross themselves, each with itself, and pairs that overlap, shape (n, 2)."""
     ring = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     shapes = shapely.polygons(shapely.linearrings(corners, indices=ring))
     valid = shapely.is_valid(shapes)
-    for face in np.flatnonzero(~valid).tolist():
-        yield face, face
+    crossed = np.flatnonzero(~valid)
     plain = np.flatnonzero(valid)
     # rounding lays neighbours on each other by slivers: a face overlaps what it meets when shrunk.
     # A yes or no about two shapes is exact, where their common area may fail to be built.
     contact = _CONTACT_REL * float(np.hypot(*np.ptp(corners, axis=0)))
     shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
     one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
-    pairs = np.unique(np.sort(np.column_stack([one, two])[one != two], axis=1), axis=0)
-    yield from map(tuple, pairs.tolist())
+    pairs = np.sort(np.column_stack([one, two])[one != two], axis=1)
+    keys = np.unique(pairs[:, 0] * len(shapes) + pairs[:, 1])
+    overlapping = np.column_stack(np.divmod(keys, len(shapes)))
+    return np.concatenate([np.column_stack([crossed, crossed]), overlapping]).astype(np.int64)

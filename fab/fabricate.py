@@ -1,7 +1,8 @@
 """How does a crease pattern become sheets that a machine cuts?
 
 pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on beds
--> order of the work, estimate -> DXF, SVG and PDF of each sheet, report
+-> front and back, if asked for -> order of the work, estimate
+-> DXF, SVG and PDF of each sheet, report
 """
 
 from __future__ import annotations
@@ -9,29 +10,32 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from enum import StrEnum
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
-from pydantic import ValidationError
 
 from fab.crease import CreasePattern
+from fab.drawings import SheetFormat, drawing_files
 from fab.errors import Finding, InvalidJob
+from fab.fineness import narrow_faces
 from fab.labels import engraved
-from fab.make import Made
+from fab.make import Made, Progress
 from fab.materials import Machine, Material, Speeds, perforation_for
 from fab.nesting import nest, sheets
 from fab.paths import CutPaths, Layer, Operation
-from fab.perforation import PerforationSettings, cut_layers
+from fab.perforation import cut_layers
 from fab.pieces import Piece, Pieces, SheetSplit, split
-from fab.relief import ReliefSettings
 from fab.tour import estimate, tour
+from fab.two_sided import Registration, how_to_turn, two_sided
 from solver.errors import InvalidValue, require_count, require_positive
 
-__all__ = ["SheetFormat", "coupon_files", "fabricate", "scaled"]
+__all__ = ["fabricate", "left_over", "scaled"]
 
 # Between two pieces on a sheet, in mm, and at least in kerfs.
 _GAP_MM = 2.0
@@ -40,18 +44,8 @@ _GAP_KERFS = 4.0
 _CORNER_KERFS = 5.0
 # Lower tabs hold no glue.
 _LEAST_TAB_MM = 1.0
-# More pieces than this take hours to place.
-_MOST_PLACED = 400
-
-Progress = Callable[[str, int, int], None]
-
-
-class SheetFormat(StrEnum):
-    """The kinds of files of a sheet, named by their endings."""
-
-    DXF = "dxf"
-    SVG = "svg"
-    PDF = "pdf"
+# More pieces than this take hours to place, to put in order and to write.
+_MOST_PLACED = 10_000
 
 
 def scaled(
@@ -81,6 +75,7 @@ def fabricate(
     machine: Machine,
     *,
     copies: int = 1,
+    registration: Registration | None = None,
     formats: Sequence[SheetFormat] = tuple(SheetFormat),
     findings: Sequence[Finding] = (),
     progress: Progress | None = None,
@@ -88,19 +83,24 @@ def fabricate(
     """Files of all sheets on which `copies` of a pattern lie, and report.json.
 
     pattern : in millimetres; findings : of its reader, told again in the report.
+    registration : where given, creases are scored on the side that they open, and each sheet has a
+        front and a back (`fab.two_sided`); the stock is as large as the bed.
     progress : called with (stage, steps done, steps in the stage).
 
-    The report lists sheets (file names, pierces, lengths in mm, minutes, share of the bed in use),
-    pieces, and the seams in the order in which they are glued. Raises `InvalidValue` and
-    `InvalidJob` where a face is larger than the bed, or a style does not suit the kerf.
+    The report lists sheets (file names, pierces, lengths in mm, minutes, share of the bed in use;
+    of two-sided ones each side, and how to turn them), pieces, and the seams in the order in which
+    they are glued. Raises `InvalidValue` where a face is larger than the bed, or a style does not
+    suit the kerf.
     """
     require_count("copies", copies, 1, "Ask for one copy or more.")
     tell = progress if progress is not None else lambda *_: None
-    told = list(findings)
-    style = _perforation(machine, material)
+    told = [*findings, *narrow_faces(pattern, machine.kerf_mm)]
+    style = perforation_for(machine, material, scored=registration is not None)
+    margin_mm = machine.margin_mm + (registration.border_mm if registration is not None else 0.0)
     tell("split", 0, 1)
     room = SheetSplit(
-        margin_mm=machine.margin_mm + _CORNER_KERFS * machine.kerf_mm,
+        margin_mm=margin_mm,
+        mitre_mm=_CORNER_KERFS * machine.kerf_mm,
         tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
     pieces, found = split(pattern, room, machine.bed_mm)
@@ -110,30 +110,25 @@ def fabricate(
             "copies",
             f"{copies}, {copies * len(pieces.pieces)} pieces in all",
             f"make at most {_MOST_PLACED} pieces",
-            "Placing takes the square of their number: make several runs.",
+            "Make several runs.",
         )
     layers = []
     for number, piece in enumerate(pieces.pieces):
         tell("perforate", number, len(pieces.pieces))
         drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
         told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
-        layers.append((*drawn, engraved(piece.labels)) if _labelled(pieces) else drawn)
-    tell("nest", 0, 1)
+        layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
-    placements = nest(outlines, machine.bed_mm, gap, copies, machine.margin_mm)
-    paths = []
+    tell("nest", 0, copies * len(outlines))
+    placements = nest(outlines, machine.bed_mm, gap, copies, margin_mm, partial(tell, "nest"))
+    files: dict[str, bytes] = {}
+    listed: list[dict[str, Any]] = []
     drawn_sheets = sheets(layers, placements, machine.bed_mm)
     for number, sheet in enumerate(drawn_sheets):
         tell("order", number, len(drawn_sheets))
-        paths.append(tour(sheet))
-    files: dict[str, bytes] = {}
-    listed = []
-    for number, sheet in enumerate(paths):
-        tell("write", number, len(paths))
-        own = _sheet_files(sheet, f"{name}_{number + 1}", machine, formats)
+        own, work = _sheet(sheet, f"{name}_{number + 1}", material, machine, registration, formats)
         files |= own
-        work = estimate(sheet, _speeds(machine, material))
         listed.append(
             {
                 "files": list(own),
@@ -143,7 +138,7 @@ def fabricate(
                     if item.sheet == number
                 ],
                 "used": round(float(placements.used[number]), 4),
-                **{key: _round(value) for key, value in dataclasses.asdict(work).items()},
+                **work,
             }
         )
     report = _report(name, material, machine, copies, pieces, listed, files, told)
@@ -152,27 +147,49 @@ def fabricate(
     return Made(files, report, tuple(told))
 
 
-def coupon_files(
-    paths: CutPaths, name: str, machine: Machine, formats: Sequence[SheetFormat]
-) -> dict[str, bytes]:
-    """Files of one drawing, such as a test card, for a machine."""
-    return _sheet_files(tour(paths), name, machine, formats)
+def left_over(files: Iterable[str], name: str, folder: Path) -> list[Path]:
+    """Sheets of the same name in `folder` that are not among `files`: those of an earlier run."""
+    sheet = re.compile(rf"{re.escape(name)}_\d+(_front|_back)?\.({'|'.join(SheetFormat)})")
+    present = sorted(folder.iterdir()) if folder.is_dir() else []
+    made = set(files)
+    return [path for path in present if sheet.fullmatch(path.name) and path.name not in made]
 
 
-def _perforation(machine: Machine, material: Material) -> PerforationSettings:
-    """The material's styles, as the machine wants them; relief holes where it asks for them."""
-    document = perforation_for(machine, material).model_dump()
-    relief = None
-    try:
-        if material.relief_mm > 0:
-            relief = ReliefSettings(web_mm=material.web_mm, radius_mm=material.relief_mm / 2)
-        return PerforationSettings.model_validate({**document, "relief": relief})
-    except ValidationError as error:
-        raise InvalidJob(f"perforation of {material.description}: {error}") from error
+def _sheet(
+    sheet: CutPaths,
+    name: str,
+    material: Material,
+    machine: Machine,
+    registration: Registration | None,
+    formats: Sequence[SheetFormat],
+) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Files of one sheet, and what the report says of the work on it."""
+    if registration is None:
+        return _side(sheet, name, material, machine, formats)
+    files: dict[str, bytes] = {}
+    sides = []
+    drawn = two_sided(sheet, registration, machine.margin_mm, machine.kerf_mm)
+    for side, paths in zip(("front", "back"), drawn, strict=True):
+        own, work = _side(paths, f"{name}_{side}", material, machine, formats)
+        files |= own
+        sides.append({"side": side, "files": list(own), **work})
+    work = {key: _round(sum(side[key] for side in sides)) for key in work}
+    turn = how_to_turn(name, registration, machine.bed_mm)
+    return files, {**work, "sides": sides, "turn": turn}
 
 
-def _labelled(pieces: Pieces) -> bool:
-    return len(pieces.pieces) > 1 or len(pieces.seams) > 0
+def _side(
+    paths: CutPaths,
+    name: str,
+    material: Material,
+    machine: Machine,
+    formats: Sequence[SheetFormat],
+) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Files of one drawing, and figures of the work, in the order of the tour."""
+    ordered = tour(paths)
+    work = dataclasses.asdict(estimate(ordered, _speeds(machine, material)))
+    files = drawing_files(ordered, name, formats, machine.colours, machine.dxf_version)
+    return files, {key: _round(value) for key, value in work.items()}
 
 
 def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:
@@ -206,25 +223,6 @@ def _speeds(machine: Machine, material: Material) -> Speeds:
             "perforate_mm_s": speeds.perforate_mm_s * ratio,
         }
     )
-
-
-def _sheet_files(
-    paths: CutPaths, name: str, machine: Machine, formats: Sequence[SheetFormat]
-) -> dict[str, bytes]:
-    files = {}
-    if SheetFormat.DXF in formats:
-        from fab.dxf import dxf_bytes
-
-        files[f"{name}.dxf"] = dxf_bytes(paths, machine.colours, machine.dxf_version)
-    if SheetFormat.SVG in formats:
-        from fab.svg import svg_bytes
-
-        files[f"{name}.svg"] = svg_bytes(paths, name, machine.colours)
-    if SheetFormat.PDF in formats:
-        from fab.pdf import pdf_bytes
-
-        files[f"{name}.pdf"] = pdf_bytes(paths, name, machine.colours)
-    return files
 
 
 def _report(

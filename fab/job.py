@@ -5,26 +5,26 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, Union, get_type_hints
 
-from pydantic import Field, PrivateAttr, ValidationError, create_model, model_validator
+from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fab.development import Development
 from fab.errors import InvalidJob
 from fab.hinges import HingeSettings
 from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
-from fab.settings import Settings
+from fab.settings import Settings, checked, read_toml
 from solver import DESIGNS, Design
 from solver.designs.surface_fit import SURFACES
 from solver.targets import Target
 
 __all__ = ["Job", "SheetSettings", "design_key", "load_job", "parse_job"]
+
+_CURE = "`quadfold new` copies a complete job."
 
 
 class DesignSettings(Settings):
@@ -134,7 +134,11 @@ class SheetSettings(Settings):
 class Job(Settings):
     """Everything that a job file says. Unknown keys, NaN and values out of bounds are refused."""
 
-    name: str = Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$")
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$",
+        description="1 to 100 letters, digits, '_', '-' or '.', of which the first is a letter or "
+        "digit: it names the files in the output folder",
+    )
     description: str = ""
     outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png"]] = Field(
         default=["fold", "dxf", "svg", "step", "stl", "3mf", "png"],
@@ -169,24 +173,10 @@ def load_job(path: Path, changes: Sequence[str] = ()) -> Job:
 
     Raises `InvalidJob` with every key at fault, its bound and its cure.
     """
-    try:
-        document = tomllib.loads(_text(path))
-    except OSError as error:
-        raise InvalidJob(
-            f"{path}: cannot be read: {error.strerror}. Check the path, or copy a template with "
-            "`quadfold new`."
-        ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InvalidJob(f"{path}: not a TOML file: {error}.") from error
+    document = read_toml(path, f"Check the path. {_CURE}")
     for change in changes:
         _apply(document, change)
     return parse_job(document, str(path), path.parent)
-
-
-def _text(path: Path) -> str:
-    if path.exists() and not path.is_file():
-        raise InvalidJob(f"{path}: not a file. Give the path of a job file.")
-    return path.read_text(encoding="utf-8-sig")
 
 
 def _apply(document: dict[str, Any], change: str) -> None:
@@ -212,105 +202,6 @@ def parse_job(document: Mapping[str, Any], source: str = "job", folder: Path = P
 
     folder : where files that the job names are looked for.
     """
-    try:
-        job = Job.model_validate(document)
-    except ValidationError as error:
-        lines = [_explain(e, document) for e in error.errors(include_url=False)]
-        raise InvalidJob(f"{source}: " + "\n".join(lines)) from error
+    job = checked(Job, document, source, _CURE)
     job._folder = folder
     return job
-
-
-def _explain(error: Any, document: Mapping[str, Any]) -> str:
-    place = _place(error["loc"], document)
-    key = ".".join(place) or "job"
-    kind, value = error["type"], error.get("input")
-    if kind == "extra_forbidden":
-        here = _known_keys(place[:-1], document)
-        hint = _hint(place, here, document)
-        return f"{key} is not a known key.{hint} Known here: {', '.join(sorted(here))}."
-    if kind in ("union_tag_invalid", "union_tag_not_found"):
-        given = value.get("kind") if isinstance(value, Mapping) else None
-        known = re.findall(r"'(\w+)'", error["ctx"].get("expected_tags", "")) or DESIGNS
-        close = difflib.get_close_matches(str(given), known, 1, 0.4)
-        hint = f" Did you mean {close[0]}?" if close else ""
-        return f"{key}.kind = {given!r} must be one of {', '.join(sorted(known))}.{hint}"
-    if kind == "missing":
-        return f"{key} is missing. Add it; `quadfold new` copies a complete job."
-    if key == "name":
-        return (
-            f"name = {value!r} must be 1 to 100 letters, digits, '_', '-' or '.', and begin with a "
-            "letter or digit: it names the files in the output folder."
-        )
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"{key} = {value!r} must be a table, such as [{key}] with keys below it."
-    message = error["msg"].removeprefix("Value error, ")
-    if isinstance(value, Mapping | Settings):
-        return f"{key}: {message}."
-    return f"{key} = {value!r} is refused: {message}."
-
-
-def _hint(place: Sequence[str], here: Sequence[str], document: Mapping[str, Any]) -> str:
-    """The nearest known key, in the same table or else in any other."""
-    close = difflib.get_close_matches(place[-1], here, 1, 0.6)
-    if close:
-        return f" Did you mean {'.'.join([*place[:-1], close[0]])}?"
-    elsewhere = {
-        key: f"{table}.{key}"
-        for table in ("design", "sheet", "perforation", "panels", "hinges")
-        for key in _known_keys([table], document)
-    }
-    close = difflib.get_close_matches(place[-1], elsewhere, 1, 0.8)
-    return f" Did you mean {elsewhere[close[0]]}?" if close else ""
-
-
-def _known_keys(place: Sequence[str], document: Mapping[str, Any]) -> list[str]:
-    model: Any = Job
-    node: Any = document
-    for part in place:
-        listed = get_args(model)[0] if get_origin(model) is list else None
-        node = _within(node, part)
-        model = _table(listed or model.model_fields[part].annotation, node)
-    return list(model.model_fields)
-
-
-def _table(annotation: Any, node: Any) -> Any:
-    """The table that an annotation stands for; of a choice, the one that the node's kind names."""
-    tables = _choices(annotation)
-    if len(tables) == 1:
-        return tables[0]
-    kind = _kind(node)
-    named = (t for t in tables if get_args(t.model_fields["kind"].annotation) == (kind,))
-    return next(named, Settings)
-
-
-def _choices(annotation: Any) -> list[Any]:
-    if get_origin(annotation) is Annotated:
-        return _choices(get_args(annotation)[0])
-    if get_origin(annotation) in (Union, UnionType):
-        parts = [part for part in get_args(annotation) if part is not NoneType]
-        return [table for part in parts for table in _choices(part)]
-    return [annotation]
-
-
-def _place(loc: Sequence[Any], document: Any) -> list[str]:
-    """Where in the document; pydantic names the kind of a table between the table and its key."""
-    out = []
-    for part in loc:
-        if isinstance(document, Mapping) and part not in document and part == _kind(document):
-            continue
-        out.append(str(part))
-        document = _within(document, part)
-    return out
-
-
-def _kind(node: Any) -> Any:
-    """The kind that a table names; styles without one are dashes."""
-    return node.get("kind", "dashes") if isinstance(node, Mapping) else None
-
-
-def _within(node: Any, part: Any) -> Any:
-    if isinstance(node, Mapping):
-        return node.get(part)
-    index = int(part) if isinstance(node, list) and str(part).isdigit() else -1
-    return node[index] if 0 <= index < len(node) else None

@@ -14,14 +14,15 @@ from matplotlib.textpath import TextPath
 from fab.paths import Layer, Operation
 from solver.vectors import FloatArray
 
-__all__ = ["Label", "engraved", "fitted", "text_outlines", "text_width"]
+__all__ = ["Label", "engraved", "fitted", "highest", "text_outlines", "text_width"]
 
 # The sans serif font that comes with matplotlib, so that every machine writes alike.
 _FONT = FontProperties(family="DejaVu Sans")
 # Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
 _EM = 100.0
 _SHRINK = 0.8
-_MOST_STEPS = 60
+# Height of the box that a text keeps free, in heights of its letters.
+_BOX_HEIGHT = 1.2
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,25 @@ def engraved(labels: Sequence[Label]) -> Layer:
     return Layer(Operation.ENGRAVE, outlines=tuple(outlines))
 
 
+def highest(text: str, middle: FloatArray, slant: float, room: shapely.Polygon) -> float:
+    """Height of the highest text that lies in a room with its middle where it is."""
+    c, s = np.cos(slant), np.sin(slant)
+    half = np.array([0.5 * _box_width(text), _BOX_HEIGHT / 2])
+    ring = (shapely.get_coordinates(room.exterior) - middle) @ np.array([[c, -s], [s, c]]) / half
+    # along a side the larger of |x| and |y| is least at an end or where x = 0, y = 0 or x = +-y
+    normals = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
+    start, end = ring[:-1] @ normals.T, ring[1:] @ normals.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.nan_to_num(start / (start - end), nan=0.0, posinf=0.0, neginf=0.0)
+    share = np.clip(np.column_stack([share, np.zeros(len(start)), np.ones(len(start))]), 0, 1)
+    points = ring[:-1, None] + share[..., None] * np.diff(ring, axis=0)[:, None]
+    return float(np.abs(points).max(axis=2).min())
+
+
+def _box_width(text: str) -> float:
+    return text_width(text) + 0.4
+
+
 def fitted(
     texts: Sequence[str],
     anchors: FloatArray,
@@ -93,41 +113,51 @@ def fitted(
     rooms: Sequence[shapely.Polygon],
     height_mm: FloatArray,
     hang: FloatArray,
-) -> tuple[Label, ...]:
+    least_mm: float,
+) -> tuple[Label | None, ...]:
     """Labels as high as asked for, or smaller until each lies in its room and clear of the others.
+
+    Where one would be lower than `least_mm` there is none.
 
     Parameters
     ----------
     anchors, angles : point (n, 2) and direction (n,), radians, that a text stands on.
     rooms : the polygon that each must stay in.
     height_mm : the greatest heights, shape (n,).
+    least_mm : the least height, greater than 0.
     hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
     """
     height = np.array(height_mm, float)
     if not len(height):
         return ()
-    width = np.array([text_width(text) for text in texts]) + 0.4
+    width = np.array([_box_width(text) for text in texts])
     u = np.column_stack([np.cos(angles), np.sin(angles)])
     v = np.column_stack([-u[:, 1], u[:, 0]])
     space = np.asarray(rooms)
     shapely.prepare(space)
-    for _ in range(_MOST_STEPS):
+    written = height >= least_mm
+    while True:
         middle = anchors + (hang * height)[:, None] * v
-        x, y = (0.5 * width * height)[:, None] * u, (0.6 * height)[:, None] * v
+        x, y = (0.5 * width * height)[:, None] * u, (_BOX_HEIGHT / 2 * height)[:, None] * v
         ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
         boxes = shapely.polygons(ring)
-        bad = ~shapely.covers(space, boxes)
+        bad = written & ~shapely.covers(space, boxes)
         one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
         # the larger of two gives way first
-        clash = (one != two) & (height[one] >= height[two])
+        clash = (one != two) & written[one] & written[two] & (height[one] >= height[two])
         bad[one[clash]] = True
         if not bad.any():
             break
         height[bad] *= _SHRINK
-    middle = anchors + (hang * height)[:, None] * v
+        written &= height >= least_mm
     return tuple(
-        Label(text, (x, y), h, angle)
-        for text, (x, y), h, angle in zip(
-            texts, middle.tolist(), height.tolist(), np.degrees(angles).tolist(), strict=True
+        Label(text, (x, y), h, angle) if there else None
+        for text, (x, y), h, angle, there in zip(
+            texts,
+            middle.tolist(),
+            height.tolist(),
+            np.degrees(angles).tolist(),
+            written.tolist(),
+            strict=True,
         )
     )

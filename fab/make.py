@@ -37,7 +37,7 @@ from fab.panels import make_panels
 from fab.perforation import perforate
 from solver import DESIGNS, Growth, InvalidValue, Status
 
-__all__ = ["Format", "Made", "make", "require_folder", "write"]
+__all__ = ["Format", "Made", "Progress", "make", "require_folder", "write"]
 
 # A sheet that covers less of its surface is told of.
 _COVERED = 0.95
@@ -190,18 +190,14 @@ def _flat_files(
 ) -> list[Finding]:
     if not wanted & {Format.DXF, Format.SVG}:
         return []
+    from fab.drawings import SheetFormat, drawing_files
+
     with clock.stage("perforate"):
         paths, findings = perforate(pattern, job.perforation)
-    if Format.DXF in wanted:
-        from fab.dxf import dxf_bytes
-
-        with clock.stage("dxf"):
-            files[f"{job.name}.dxf"] = dxf_bytes(paths)
-    if Format.SVG in wanted:
-        from fab.svg import svg_bytes
-
-        with clock.stage("svg"):
-            files[f"{job.name}.svg"] = svg_bytes(paths, job.name)
+    for kind in (Format.DXF, Format.SVG):
+        if kind in wanted:
+            with clock.stage(kind):
+                files |= drawing_files(paths, job.name, [SheetFormat(kind.value)])
     return findings
 
 

@@ -3,51 +3,39 @@
 from __future__ import annotations
 
 import difflib
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from fab.colours import Colours
 from fab.dxf import DxfVersion
 from fab.errors import InvalidJob
-from fab.settings import Settings
+from fab.perforation import PerforationSettings
+from fab.settings import Settings, checked, read_toml
+from fab.shipped import shipped
+from fab.styles import ScoreStyle
 
 __all__ = [
     "Machine",
     "Material",
-    "Perforation",
     "Speeds",
     "load_machine",
     "load_material",
     "perforation_for",
-    "shipped",
 ]
 
-_PACKAGED = Path(__file__).parent / "templates"
-_CHECKED_OUT = Path(__file__).parent.parent / "templates"
 
-# What each style of a crease is described by; all but `rows` in millimetres.
-_STYLES = {
-    "score": (),
-    "dashes": ("cut_mm", "gap_mm"),
-    "dash_dot": ("cut_mm", "dot_mm", "gap_mm"),
-    "dots": ("dot_mm", "pitch_mm"),
-    "lattice": ("cut_mm", "gap_mm", "rows", "pitch_mm"),
-    "engrave": (),
-    "none": (),
-}
-_SCORE = {"kind": "score"}
-
-Style = dict[str, str | float | int]
+_CURE = "Begin with a copy of a shipped file."
+# What a material must say of its creases; the rest takes the defaults of a job.
+_OF_MATERIALS = ("margin_mm", "mountain", "valley")
 
 
 class _Described(Settings):
     """Base of materials and machines: what it is, and which of its values are to be tried first."""
 
-    description: str = Field(min_length=1)
+    description: str = Field(min_length=1, description="one line, for lists of names")
     starting_points: list[str] = Field(
         default=[],
         description="keys, such as speeds.cut_mm_s, whose values differ by machine: "
@@ -72,43 +60,11 @@ def _keys(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
             yield from _keys(value, f"{above}{key}.")
 
 
-class Perforation(Settings):
-    """How creases are made, by assignment: a table of `kind` and its lengths for each."""
-
-    margin_mm: float = Field(gt=0, le=1000, description="uncut at both ends of every crease")
-    mountain: Style
-    valley: Style
-
-    @field_validator("mountain", "valley")
-    @classmethod
-    def _known_style(cls, style: Style) -> Style:
-        kind = style.get("kind")
-        if kind not in _STYLES:
-            close = difflib.get_close_matches(str(kind), _STYLES, 1, 0.5)
-            hint = f". Did you mean {close[0]}?" if close else ""
-            raise ValueError(f"kind = {kind!r} must be one of {', '.join(_STYLES)}{hint}")
-        wanted = _STYLES[str(kind)]
-        if set(style) != {"kind", *wanted}:
-            needs = ", ".join(wanted) or "no lengths"
-            given = ", ".join(sorted(set(style) - {"kind"})) or "none"
-            raise ValueError(f"kind = {kind!r} takes {needs}; given are {given}")
-        for name in wanted:
-            value = style[name]
-            whole = name == "rows"
-            if isinstance(value, str | bool) or (whole and not isinstance(value, int)):
-                raise ValueError(f"{name} = {value!r} must be a {'whole ' * whole}number")
-            low, high = (1, 99) if whole else (0.01, 1000)
-            if not low <= value <= high:
-                raise ValueError(f"{name} = {value} must lie from {low} to {high}")
-        return style
-
-
 class Material(_Described):
     """A sheet, and how creases are best made in it."""
 
-    thickness_mm: float = Field(gt=0, le=100)
-    density_kg_m3: float = Field(gt=0, le=30000)
-    web_mm: float = Field(gt=0, le=100, description="least width that may stay between two cuts")
+    thickness_mm: float = Field(gt=0, le=100, description="of the sheet")
+    density_kg_m3: float = Field(gt=0, le=30000, description="of the sheet, 833 for card")
     tab_mm: float = Field(gt=0, le=200, description="height of glue tabs")
     bend_radius_mm: float | None = Field(
         default=None,
@@ -116,13 +72,18 @@ class Material(_Described):
         le=1000,
         description="least inner radius of a bend that is not cut into; none where unknown",
     )
-    relief_mm: float = Field(
-        default=0, ge=0, le=50, description="least diameter of relief holes at vertices; 0 for none"
-    )
     cut_speed_ratio: float = Field(
         gt=0, le=10, description="speed of cutting through, over that of the machine (300 gsm card)"
     )
-    perforation: Perforation
+    perforation: PerforationSettings = Field(description="as in a job")
+
+    @field_validator("perforation")
+    @classmethod
+    def _says_how(cls, perforation: PerforationSettings) -> PerforationSettings:
+        missing = [key for key in _OF_MATERIALS if key not in perforation.model_fields_set]
+        if missing:
+            raise ValueError(f"{' and '.join(missing)} must be given in a material. {_CURE}")
+        return perforation
 
     @property
     def grams_per_m2(self) -> float:
@@ -176,14 +137,18 @@ class Machine(_Described):
         return width - 2 * self.margin_mm, height - 2 * self.margin_mm
 
 
-def perforation_for(machine: Machine, material: Material) -> Perforation:
+def perforation_for(
+    machine: Machine, material: Material, *, scored: bool = False
+) -> PerforationSettings:
     """How creases of the material are drawn for the machine.
 
-    For software that perforates by itself each crease is one whole line on its layer.
+    Where they are scored, and for software that perforates by itself, each crease is one whole line
+    on the layer of its letter.
     """
-    if machine.profile == "pre_dashed":
+    if machine.profile == "pre_dashed" and not scored:
         return material.perforation
-    return material.perforation.model_copy(update={"mountain": _SCORE, "valley": _SCORE})
+    whole = {"mountain": ScoreStyle(), "valley": ScoreStyle(), "bands": []}
+    return material.perforation.model_copy(update=whole)
 
 
 def load_material(name_or_path: str | Path) -> Material:
@@ -200,12 +165,6 @@ def load_machine(name_or_path: str | Path) -> Machine:
     Raises `InvalidJob` with every key at fault.
     """
     return _load(Machine, "machines", name_or_path)
-
-
-def shipped(kind: Literal["materials", "machines"]) -> dict[str, Path]:
-    """Files of the shipped materials or machines, by name."""
-    folder = (_PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT) / kind
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
 Kind = TypeVar("Kind", Material, Machine)
@@ -225,34 +184,5 @@ def _load(
                 f"of a .toml file.{hint}"
             )
         path = known[str(name_or_path)]
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InvalidJob(f"{path}: cannot be read: {error.strerror}. Check the path.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InvalidJob(f"{path}: not a TOML file: {error}.") from error
-    try:
-        return model.model_validate(document)
-    except ValidationError as error:
-        lines = [_explain(e, model) for e in error.errors(include_url=False)]
-        raise InvalidJob(f"{path}: " + "\n".join(lines)) from error
-
-
-def _explain(error: Any, model: type[Settings]) -> str:
-    place = [str(part) for part in error["loc"]]
-    key = ".".join(place)
-    message = error["msg"].removeprefix("Value error, ")
-    message += "" if message.endswith("?") else "."
-    if error["type"] == "extra_forbidden":
-        table: Any = model
-        for part in place[:-1]:
-            table = table.model_fields[part].annotation
-        known = sorted(table.model_fields)
-        close = difflib.get_close_matches(place[-1], known, 1, 0.6)
-        hint = f" Did you mean {close[0]}?" if close else ""
-        return f"{key} is not a known key.{hint} Known here: {', '.join(known)}."
-    if error["type"] == "missing":
-        return f"{key} is missing. Add it, or begin with a copy of a shipped file."
-    if isinstance(error.get("input"), Mapping):
-        return f"{key}: {message}" if key else message
-    return f"{key} = {error.get('input')!r} is refused: {message}"
+    document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {kind}`.")
+    return checked(model, document, str(path), _CURE)

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 import shapely
@@ -35,6 +37,8 @@ _UNEVEN = (0.0, 0.03, 0.1, 0.25)
 _EVEN_ENOUGH = 0.8
 _GAIN = 0.95
 _ROUNDS = 4
+# So many faces are tried as the first run.
+_FIRST_RUN = 64
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ class Sheet:
         first face's: shape (ne, 2, 2, 2): edge, side that carries the tab, end, coordinate.
     glued : boundary edges that are to get a tab, shape (ne,).
     room_mm : what a piece has room in, width and height.
+    room_told : what that is, for messages.
     """
 
     pattern: CreasePattern
@@ -56,6 +61,35 @@ class Sheet:
     reach: FloatArray
     glued: BoolArray
     room_mm: tuple[float, float]
+    room_told: str = "the room of a piece"
+
+    @cached_property
+    def sides(self) -> _Lists:
+        """Of each face its sides: 2 * edge, and one more on the edge's second face."""
+        face = self.pattern.edges_faces.ravel()
+        side = np.flatnonzero(face >= 0)
+        return _Lists.of(face[side], side, self.pattern.face_count)
+
+
+@dataclass(frozen=True)
+class _Lists:
+    """A list of numbers for each of a row of things: values[starts[i]:starts[i + 1]]."""
+
+    values: IntArray
+    starts: IntArray
+
+    @classmethod
+    def of(cls, owners: IntArray, values: IntArray, count: int) -> _Lists:
+        """The values of each owner in their order."""
+        order = np.argsort(owners, kind="stable")
+        return cls(values[order], np.searchsorted(owners[order], np.arange(count + 1)))
+
+    def at(self, things: IntArray) -> tuple[IntArray, IntArray]:
+        """The lists of some things on end, and for each value the place of its thing."""
+        sizes = self.starts[things + 1] - self.starts[things]
+        place = np.repeat(np.arange(len(things)), sizes)
+        before = np.cumsum(sizes) - sizes
+        return self.values[(self.starts[things] - before)[place] + np.arange(len(place))], place
 
 
 class _Faces:
@@ -79,37 +113,68 @@ class _Faces:
         pairs = (np.concatenate([one, two]), np.concatenate([two, one]))
         shape = (self.count, self.count)
         self.graph = csr_array((np.concatenate([length, length]), pairs), shape=shape)
+        self.neighbours = _Lists(self.graph.indices, self.graph.indptr)
         self.overlaps = overlapping_faces(
             pattern.vertices_coords, pattern.faces_vertices, pattern.faces_offsets, pattern.edges
         )
+        self.overlapping = _Lists.of(self.overlaps[:, 0], self.overlaps[:, 1], self.count)
 
     def components(self, faces: IntArray) -> list[IntArray]:
         """Parts of a set that are joined over edges; each part rises."""
+        return np.split(*self._parts(faces))
+
+    def _parts(self, faces: IntArray) -> tuple[IntArray, IntArray]:
+        """The parts of a set on end, and where all but the first begin."""
         faces = np.sort(faces)
-        count, part = connected_components(self.graph[faces][:, faces], directed=False)
+        beside, row = self.neighbours.at(faces)
+        column = _place(faces, beside)
+        row, column = row[column >= 0], column[column >= 0]
+        graph = csr_array((np.ones(len(row), np.int8), (row, column)), shape=(len(faces),) * 2)
+        count, part = connected_components(graph, directed=False)
         order = np.argsort(part, kind="stable")
-        return np.split(faces[order], np.searchsorted(part[order], np.arange(1, count)))
+        return faces[order], np.searchsorted(part[order], np.arange(1, count))
 
     def overlap(self, faces: IntArray) -> bool:
         """Whether two faces of the set overlap."""
         if not len(self.overlaps):
             return False
-        return bool(_mask(faces, self.count)[self.overlaps].all(axis=1).any())
+        faces = np.sort(faces)
+        return bool((_place(faces, self.overlapping.at(faces)[0]) >= 0).any())
 
     def valid(self, faces: IntArray) -> bool:
         """Whether a set that is joined fits the bed and does not overlap itself."""
-        if self.overlap(faces):
-            return False
-        return self.small(faces) or upright(extent(self.sheet, faces), self.sheet.room_mm)[1]
+        return not self.overlap(faces) and self.fits(faces)
 
-    def small(self, faces: IntArray) -> bool:
-        """Whether a set fits, tabs and all, however it is turned."""
-        span = self.high[faces].max(axis=0) - self.low[faces].min(axis=0) + 2 * self.tab
-        return bool(np.hypot(*span) <= min(self.sheet.room_mm))
+    def fits(self, faces: IntArray) -> bool:
+        """Whether a set fits the bed, tabs and all."""
+        low, high = self.low[faces].min(axis=0), self.high[faces].max(axis=0)
+        if self.small(low, high):
+            return True
+        room = self.sheet.room_mm
+        if (high - low).max() > np.hypot(*room) * (1 + _SLACK_REL):
+            return False
+        return upright(extent(self.sheet, faces), room)[1]
+
+    def small(self, low: FloatArray, high: FloatArray) -> BoolArray:
+        """Whether what lies in boxes, shape (..., 2), fits with tabs, however it is turned."""
+        span = high - low + 2 * self.tab
+        out: BoolArray = np.hypot(span[..., 0], span[..., 1]) <= min(self.sheet.room_mm)
+        return out
 
     def valid_parts(self, faces: IntArray) -> bool:
         """Whether each part of the set is valid."""
-        return all(self.valid(part) for part in self.components(faces))
+        if self.valid(faces):  # then so is every part
+            return True
+        ordered, ends = self._parts(faces)
+        starts = np.concatenate([[0], ends])
+        small = self.small(
+            np.minimum.reduceat(self.low[ordered], starts),
+            np.maximum.reduceat(self.high[ordered], starts),
+        )
+        parts = np.split(ordered, ends)
+        if len(self.overlaps) and any(map(self.overlap, parts)):
+            return False
+        return all(self.fits(parts[number]) for number in np.flatnonzero(~small).tolist())
 
     def pinched(self, faces: IntArray) -> IntArray:
         """Vertices in which the set's outline touches itself."""
@@ -120,18 +185,20 @@ class _Faces:
         return out
 
 
-def _mask(faces: IntArray, count: int) -> BoolArray:
-    """Which of `count` faces are in the set; one more entry, for the face -1 that is in none."""
-    mask = np.zeros(count + 1, bool)
-    mask[faces] = True
-    return mask
+def _place(rising: IntArray, numbers: IntArray) -> IntArray:
+    """Where a rising array has some numbers, -1 for those that it has not."""
+    if not len(rising):
+        return np.full(len(numbers), -1)
+    place = np.minimum(np.searchsorted(rising, numbers), len(rising) - 1)
+    return np.where(rising[place] == numbers, place, -1)
 
 
 def _outline(sheet: Sheet, faces: IntArray) -> tuple[IntArray, IntArray]:
     """Edges with the set on one side alone, and on which, 0 for the first face's."""
-    inside = _mask(faces, sheet.pattern.face_count)[sheet.pattern.edges_faces]
-    edges = np.flatnonzero(inside[:, 0] != inside[:, 1])
-    return edges, np.where(inside[edges, 0], 0, 1)
+    faces = np.sort(faces)
+    sides = sheet.sides.at(faces)[0]
+    outer = sides[_place(faces, sheet.pattern.edges_faces.ravel()[sides ^ 1]) < 0]
+    return outer // 2, outer % 2
 
 
 def extent(sheet: Sheet, faces: IntArray) -> FloatArray:
@@ -147,14 +214,15 @@ def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArra
 
     Where no box fits, the turn to the box of least area is given.
     """
-    hull = shapely.convex_hull(shapely.multipoints(coords))
+    hull = shapely.convex_hull(shapely.linestrings(coords))
     ring = shapely.get_coordinates(hull)
     side = np.diff(ring, axis=0)[:: 1 + len(ring) // _MOST_SIDES]
     turns = np.concatenate([np.arctan2(side[:, 1], side[:, 0]), _TURNS])
-    turns = np.concatenate([turns, turns + np.pi / 2])
     c, s = np.cos(turns), np.sin(turns)
-    width = np.ptp(ring @ np.stack([c, s]), axis=0)
-    height = np.ptp(ring @ np.stack([-s, c]), axis=0)
+    spans = [np.ptp(ring @ np.stack(axis), axis=0) for axis in ((c, s), (-s, c))]
+    # a quarter turn further width is height
+    c, s = np.concatenate([c, -s]), np.concatenate([s, c])
+    width, height = np.concatenate(spans), np.concatenate(spans[::-1])
     fits = (width <= room_mm[0] * (1 + _SLACK_REL)) & (height <= room_mm[1] * (1 + _SLACK_REL))
     area = np.where(fits | ~fits.any(), width * height, np.inf)
     # equal boxes must not be told apart by rounding
@@ -210,7 +278,7 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
             raise InvalidValue(
                 f"size of face {face} with its tabs",
                 f"{box[0]:.6g} x {box[1]:.6g} mm",
-                f"fit {width:.6g} x {height:.6g} mm, the bed without its margins",
+                f"fit {width:.6g} x {height:.6g} mm, {faces.sheet.room_told}",
                 "Make the sheet smaller, lower tab_mm or margin_mm, or use a larger bed.",
             )
 
@@ -281,16 +349,13 @@ def _runs(
     area = np.concatenate([[0.0], np.cumsum(faces.areas[ordered])])
 
     def greedy(most: float, near: int, most_runs: float) -> list[IntArray]:
-        runs, begin = [], 0
+        runs: list[IntArray] = []
+        begin = 0
         while begin < len(ordered):
             end = int(np.searchsorted(area, area[begin] + most * (1 + _SLACK_REL), "right")) - 1
             end = min(max(end, begin + 1), len(ordered))
-            if not fits(ordered[begin:end]):
-                low, high = begin + 1, end
-                while high - low > 1:
-                    middle = (low + high) // 2
-                    low, high = (middle, high) if fits(ordered[begin:middle]) else (low, middle)
-                end = low
+            guess = 2 * len(runs[-1]) if runs else _FIRST_RUN
+            end = begin + _longest(ordered[begin:end], guess, fits)
             if near and end < len(ordered):  # end where the field leaps, between rows of faces
                 first = max(begin + 1, end - (end - begin) // near)
                 end = first + int(np.argmax(np.diff(place[first - 1 : end + 1])))
@@ -310,34 +375,69 @@ def _runs(
     return fewest
 
 
+def _longest(run: IntArray, guess: int, fits: Callable[[IntArray], bool]) -> int:
+    """How many of a run's first faces fit, one at least; what it costs goes with that number."""
+    low, high = 1, min(guess, len(run))
+    while fits(run[:high]):
+        if high == len(run):
+            return high
+        low, high = high, min(2 * high, len(run))
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if fits(run[:middle]) else (low, middle)
+    return low
+
+
 def _merged(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     """Neighbours joined, smallest first, as long as any two are valid together."""
     parts = dict(enumerate(pieces))
-    owner = np.full(faces.count + 1, -1)
-    for number, piece in parts.items():
-        owner[piece] = number
-    refused: set[tuple[int, int]] = set()
+    owner = _owners(faces, pieces)
+    beside: dict[int, set[int]] = {number: set() for number in parts}
+    for one, two in _beside(faces, owner).tolist():
+        beside[one].add(two)
+        beside[two].add(one)
+    size = {number: float(faces.areas[piece].sum()) for number, piece in parts.items()}
+    box = {n: (faces.low[p].min(axis=0), faces.high[p].max(axis=0)) for n, p in parts.items()}
+    most = faces.sheet.room_mm[0] * faces.sheet.room_mm[1] * (1 + _SLACK_REL)
+    pairs = [(size[one] + size[two], one, two) for one in parts for two in beside[one] if one < two]
+    heapify(pairs)
     fresh = len(parts)
-    while True:
-        beside = owner[faces.sheet.pattern.edges_faces[faces.sheet.joined]]
-        beside = np.unique(np.sort(beside, axis=1), axis=0)
-        size = {number: float(faces.areas[piece].sum()) for number, piece in parts.items()}
-        pairs = [
-            (one, two)
-            for one, two in beside.tolist()
-            if one >= 0 and one != two and (one, two) not in refused
-        ]
-        for one, two in sorted(pairs, key=lambda pair: (size[pair[0]] + size[pair[1]], pair)):
-            both = np.sort(np.concatenate([parts[one], parts[two]]))
-            if faces.valid(both):
-                del parts[one], parts[two]
-                parts[fresh] = both
-                owner[both] = fresh
-                fresh += 1
-                break
-            refused.add((one, two))
-        else:
-            return list(parts.values())
+    while pairs:
+        total, one, two = heappop(pairs)
+        if total > most:  # so are all others
+            break
+        if one not in parts or two not in parts:
+            continue
+        low, high = np.minimum(box[one][0], box[two][0]), np.maximum(box[one][1], box[two][1])
+        both = np.concatenate([parts[one], parts[two]])
+        if faces.overlap(both) or not (faces.small(low, high) or faces.fits(both)):
+            continue
+        del parts[one], parts[two]
+        parts[fresh], size[fresh], box[fresh] = both, total, (low, high)
+        beside[fresh] = (beside.pop(one) | beside.pop(two)) - {one, two}
+        for other in beside[fresh]:
+            beside[other] -= {one, two}
+            beside[other].add(fresh)
+            heappush(pairs, (total + size[other], other, fresh))
+        fresh += 1
+    return [np.sort(piece) for piece in parts.values()]
+
+
+def _owners(faces: _Faces, pieces: list[IntArray]) -> IntArray:
+    """The piece of each face; one more entry, for the face -1; -1 where there is none."""
+    owner = np.full(faces.count + 1, -1)
+    for number, piece in enumerate(pieces):
+        owner[piece] = number
+    return owner
+
+
+def _beside(faces: _Faces, owner: IntArray) -> IntArray:
+    """Pairs of different pieces that are joined over an edge, the smaller number first, (n, 2)."""
+    pattern = faces.sheet.pattern
+    pairs = np.sort(owner[pattern.edges_faces[faces.sheet.joined]], axis=1)
+    pairs = pairs[(pairs[:, 0] >= 0) & (pairs[:, 0] != pairs[:, 1])]
+    out: IntArray = np.unique(pairs, axis=0)
+    return out
 
 
 def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
@@ -346,48 +446,46 @@ def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     Of the faces around such a vertex the smallest group goes to a neighbour that can take it, or
     becomes a piece of its own.
     """
-    queue, done = list(pieces), []
+    queue = list(pieces)
+    done: list[IntArray] = []
+    owner = np.full(faces.count, -1)  # numbers in `done`
     while queue:
         piece = queue.pop()
         if len(piece) > 1 and not faces.valid(piece):  # a new seam's tabs may need more room
             queue += _divided(faces, piece)
             continue
         pinched = faces.pinched(piece)
-        if not len(pinched):
-            done.append(piece)
-            continue
-        around = piece[_have_vertex(faces, piece, int(pinched[0]))]
-        fan = min(faces.components(around), key=lambda f: (float(faces.areas[f].sum()), int(f[0])))
-        queue += faces.components(np.setdiff1d(piece, fan))
-        for number, other in enumerate(done):
-            both = np.sort(np.concatenate([other, fan]))
-            joined = len(faces.components(both)) == 1
-            if joined and faces.valid(both) and not len(faces.pinched(both)):
-                done[number] = both
-                break
-        else:
-            done.append(fan)
+        number = len(done)
+        if len(pinched):
+            around = piece[_have_vertex(faces, piece, int(pinched[0]))]
+            fans = faces.components(around)
+            fan = min(fans, key=lambda f: (float(faces.areas[f].sum()), int(f[0])))
+            queue += faces.components(np.setdiff1d(piece, fan))
+            piece = fan
+            near = np.unique(owner[faces.neighbours.at(fan)[0]])
+            for other in near[near >= 0].tolist():
+                both = np.sort(np.concatenate([done[other], fan]))
+                if faces.valid(both) and not len(faces.pinched(both)):
+                    number, piece = other, both
+                    break
+        done[number : number + 1] = [piece]
+        owner[piece] = number
     return done
 
 
 def _have_vertex(faces: _Faces, piece: IntArray, vertex: int) -> BoolArray:
     pattern = faces.sheet.pattern
-    hit = np.logical_or.reduceat(pattern.faces_vertices == vertex, pattern.faces_offsets[:-1])
-    out: BoolArray = hit[piece]
+    corners, place = _Lists(pattern.faces_vertices, pattern.faces_offsets).at(piece)
+    out: BoolArray = np.bincount(place[corners == vertex], minlength=len(piece)) > 0
     return out
 
 
 def _evened(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     """The same number of pieces, neighbours of unequal areas cut anew along another line."""
     pieces = list(pieces)
-    owner = np.full(faces.count + 1, -1)
-    ends = faces.sheet.pattern.edges_faces[faces.sheet.joined]
     for _ in range(_ROUNDS):
-        for number, piece in enumerate(pieces):
-            owner[piece] = number
-        beside = np.unique(np.sort(owner[ends], axis=1), axis=0)
+        beside = _beside(faces, _owners(faces, pieces))
         area = np.array([faces.areas[piece].sum() for piece in pieces])
-        beside = beside[beside[:, 0] != beside[:, 1]]
         unequal = np.argsort(-np.abs(np.diff(area[beside], axis=1)[:, 0]), kind="stable")
         changed: set[int] = set()
         for one, two in beside[unequal].tolist():

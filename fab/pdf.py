@@ -15,6 +15,7 @@ from pikepdf import Array, Dictionary, Name, String
 from fab.colours import Colours
 from fab.digits import write_records
 from fab.paths import CutPaths, Layer
+from fab.titles import plain_title
 from solver.errors import InvalidValue
 
 __all__ = ["pdf_bytes"]
@@ -58,7 +59,7 @@ def pdf_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
     pdf.Root.OCProperties = Dictionary(
         OCGs=everything, D=Dictionary(Order=everything, ON=everything, Name=String("operations"))
     )
-    pdf.docinfo[Name.Title] = String(title)
+    pdf.docinfo[Name.Title] = String(plain_title(title))
     out = io.BytesIO()
     pdf.save(out, deterministic_id=True, min_version="1.5")  # layers are of 1.5
     return out.getvalue()

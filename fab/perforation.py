@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
+from fab.fineness import enlargement
 from fab.kerf import compensated
 from fab.outlines import inner_cuts, outlines_of
 from fab.paths import CutPaths, Layer, Operation, joined
@@ -17,6 +18,7 @@ from fab.relief import ReliefHoles, ReliefSettings, relief_holes
 from fab.sectors import sectors_of
 from fab.settings import Settings
 from fab.styles import (
+    SHORTEST_CUT_MM,
     CreaseStyle,
     DashStyle,
     EngraveStyle,
@@ -154,7 +156,7 @@ def cut_layers(
             pierced += np.bincount(creases[cuts.owner[cuts.pierced]], minlength=len(kind))
             layers.append(Layer(operation, cuts.segments))
     drawn[meeting] = True  # named already
-    findings += _too_short(pattern, lines & ~walls, drawn, settings.margin_mm)
+    findings += _too_short(pattern, lines & ~walls, drawn, trim, settings.margin_mm)
     findings += _pierced(pierced, kerf_mm)
     borders = outlines_of(pattern)
     rings, moved = compensated(borders.rings, kerf_mm)
@@ -287,9 +289,16 @@ def _meeting_findings(creases: IntArray) -> list[Finding]:
 
 
 def _too_short(
-    pattern: CreasePattern, wanted: BoolArray, drawn: BoolArray, margin_mm: float
+    pattern: CreasePattern,
+    wanted: BoolArray,
+    drawn: BoolArray,
+    trim: FloatArray,
+    margin_mm: float,
 ) -> list[Finding]:
     findings = []
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    needed = trim.sum(axis=1) + SHORTEST_CUT_MM
     for letter, name in _NAMES.items():
         creases = np.flatnonzero(wanted & (pattern.edges_assignment == letter))
         uncut = creases[~drawn[creases]]
@@ -300,7 +309,9 @@ def _too_short(
                     Severity.ERROR if len(uncut) == len(creases) else Severity.WARNING,
                     f"{len(uncut)} of {len(creases)} {name} creases leave nothing between their "
                     f"margins ({2 * margin_mm:g} mm, and what relief holes and lattices take) and "
-                    "stay uncut. Lower margin_mm or enlarge the sheet.",
+                    f"stay uncut. The shortest is {length[uncut].min():.3g} mm long. Lower "
+                    "margin_mm, or make the sheet at least "
+                    f"{enlargement(needed[uncut], length[uncut])} times as large.",
                     creases=tuple(uncut[:20].tolist()),
                 )
             )

@@ -17,12 +17,12 @@ from scipy.spatial import cKDTree
 
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
 from fab.errors import Finding, Severity
-from fab.labels import Label, fitted
+from fab.labels import Label, fitted, highest
 from fab.partition import Sheet, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
 from solver.errors import InvalidValue, require_positive
-from solver.mesh import boundary_loops, edges_of
+from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["Piece", "Pieces", "Seam", "SheetSplit", "split"]
@@ -34,12 +34,17 @@ _LAYERED_DEG = 179.0
 # Smaller letters cannot be read.
 _READABLE_MM = 1.0
 _MOST_NAMED = 20
+# So many of the largest faces are tried for the name of a piece.
+_MOST_TRIED = 24
 
 
 class SheetSplit(Settings):
     """How a sheet that is too large, or that overlaps itself, is cut into pieces."""
 
     margin_mm: float = Field(default=5.0, ge=0, le=1000, description="kept free around the bed")
+    mitre_mm: float = Field(
+        default=0.0, ge=0, le=1000, description="room for mitres of the cut, inside the margin"
+    )
     tabs: bool = Field(default=True, description="whether seams get glue tabs")
     tab_mm: float = Field(
         default=8.0, ge=1, le=1000, description="greatest height of a tab; lower on short edges"
@@ -47,7 +52,7 @@ class SheetSplit(Settings):
     tab_angle_deg: float = Field(
         default=45.0, ge=10, le=90, description="greatest angle at the foot of a tab"
     )
-    label_mm: float = Field(default=4.0, ge=0.5, le=1000, description="greatest height of letters")
+    label_mm: float = Field(default=4.0, ge=1, le=1000, description="greatest height of letters")
 
 
 @dataclass(frozen=True)
@@ -84,7 +89,8 @@ class Piece:
     pattern : the piece as a pattern of its own. Its faces are faces of the whole pattern, rising,
         and after them the tabs; the crease of a tab is folded as its seam is.
     faces, edges : numbers in the whole pattern, -1 for tabs and their sides.
-    labels : text to be engraved: the piece's name, then those of its seams.
+    labels : text to be engraved: the piece's name, then those of its seams. None crosses a crease.
+    unwritten : the texts that there is no room for.
     """
 
     name: str
@@ -92,6 +98,7 @@ class Piece:
     faces: IntArray
     edges: IntArray
     labels: tuple[Label, ...]
+    unwritten: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -103,6 +110,11 @@ class Pieces:
 
     pieces: tuple[Piece, ...]
     seams: tuple[Seam, ...]
+
+    @property
+    def labelled(self) -> bool:
+        """Whether labels tell anything: not those of one piece without seams."""
+        return len(self.pieces) > 1 or len(self.seams) > 0
 
     def glue_up(self) -> list[tuple[int, str, str, float]]:
         """One row for each seam, in the order of assembling: label, both pieces, length in mm."""
@@ -139,19 +151,24 @@ def split(
 
     Raises `InvalidValue` for a bed smaller than a face with its tabs, or a face without area.
     """
+    border = settings.margin_mm + settings.mitre_mm
+    kept = f"margin {settings.margin_mm:g} mm"
+    if settings.mitre_mm:
+        kept += f", mitres of the cut {settings.mitre_mm:g} mm"
     for name, length in zip(("bed width", "bed height"), bed_mm, strict=True):
         require_positive(name, length, "Give the size of the bed in mm.")
-        if length <= 2 * settings.margin_mm:
-            bound = f"be greater than two margins, {2 * settings.margin_mm:g} mm"
+        if length <= 2 * border:
+            bound = f"be greater than 2 x {border:g} mm, what is kept free ({kept})"
             raise InvalidValue(name, f"{length:g} mm", bound, "Lower margin_mm.")
     if pattern.face_count == 0:
         raise InvalidValue("faces", 0, "be at least 1", "Give a pattern with faces.")
-    width, height = (length - 2 * settings.margin_mm for length in bed_mm)
+    width, height = (length - 2 * border for length in bed_mm)
+    told = f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less {border:g} mm on each side ({kept})"
     joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
     closing, closing_angle = _closing_edges(pattern)
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True
-    sheet = Sheet(pattern, joined, _reach(pattern, settings), glued, (width, height))
+    sheet = Sheet(pattern, joined, _reach(pattern, settings), glued, (width, height), told)
     sets = partition(sheet)
     owner = np.empty(pattern.face_count, np.int64)
     for number, faces in enumerate(sets):
@@ -357,8 +374,15 @@ def _piece(
         coords, edges.edges_vertices, edges.edges_faces, letter, angle, corners, offsets, folded
     )
     numbers = np.concatenate([faces, np.full(len(a), -1)])
-    labels = _labels(own, number, numbers, whole, seams, carried, side, settings)
-    return Piece(_name(number), own, numbers, whole, labels)
+    texts, labels = _labels(own, number, numbers, whole, seams, carried, side, settings)
+    return Piece(
+        _name(number),
+        own,
+        numbers,
+        whole,
+        tuple(label for label in labels if label is not None),
+        tuple(text for text, label in zip(texts, labels, strict=False) if label is None),
+    )
 
 
 def _whole_edges(
@@ -425,16 +449,16 @@ def _labels(
     carried: IntArray,
     side: IntArray,
     settings: SheetSplit,
-) -> tuple[Label, ...]:
-    """The piece's name where it has most room, and each seam's number beside its edge."""
+) -> tuple[list[str], tuple[Label | None, ...]]:
+    """The piece's name in the face with most room, and each seam's number beside its edge.
+
+    What is to be written, and the labels as far as there is room, after them numbers on tabs too.
+    """
     rooms = [
         shapely.polygons(own.vertices_coords[own.faces_vertices[i:j]])
         for i, j in zip(own.faces_offsets[:-1], own.faces_offsets[1:], strict=True)
     ]
     real = int((faces >= 0).sum())
-    outline = _outline(own, real, rooms)
-    near = 0.1 * outline.area / outline.length  # a tenth of a long strip's half width
-    disk = shapely.get_coordinates(shapely.maximum_inscribed_circle(outline, tolerance=near))
     seam, bank = np.nonzero(seams.pieces == number)
     edge = _numbers_of(whole, seams.edges[seam, bank])
     face = own.edges_faces[edge, 0]
@@ -445,29 +469,43 @@ def _labels(
     tab_ends = own.vertices_coords[own.edges_vertices[tab_edge]][:, ::-1]
     lines = np.concatenate([ends, tab_ends])
     direction = lines[:, 1] - lines[:, 0]
-    texts = [_name(number), *(str(s + 1) for s in seam), *(str(s + 1) for s in carried)]
-    anchors = np.concatenate([disk[:1], lines.mean(axis=1)])
-    angles = np.concatenate([[0.0], np.arctan2(direction[:, 1], direction[:, 0])])
-    height = np.full(len(texts), settings.label_mm)
+    name = _name(number)
+    widest, middle, slant = _place_for(name, rooms[:real], face)
+    texts = [name, *(str(s + 1) for s in seam)]
+    anchors = np.concatenate([middle[None], lines.mean(axis=1)])
+    angles = np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])])
+    height = np.full(len(anchors), settings.label_mm)
     height[0] *= 2
-    hang = np.ones(len(texts))
+    hang = np.ones(len(anchors))
     hang[0] = 0.0
-    space = [outline, *(rooms[f] for f in [*face.tolist(), *tab.tolist()])]
-    labels = fitted(texts, anchors, angles, space, height, hang)
-    kept = 1 + len(seam)
-    return labels[:kept] + tuple(x for x in labels[kept:] if x.height_mm >= _READABLE_MM)
+    space = [rooms[f] for f in [widest, *face.tolist(), *tab.tolist()]]
+    on_tabs = [str(s + 1) for s in carried]
+    return texts, fitted([*texts, *on_tabs], anchors, angles, space, height, hang, _READABLE_MM)
 
 
-def _outline(own: CreasePattern, real: int, rooms: list[shapely.Polygon]) -> shapely.Polygon:
-    """The piece without its tabs, as one polygon."""
-    if real == 1:
-        return rooms[0]
-    corners = own.faces_vertices[: own.faces_offsets[real]]
-    edges = edges_of(corners, own.faces_offsets[: real + 1])
-    rings = [own.vertices_coords[loop] for loop in boundary_loops(edges)]
-    area = [abs(shapely.polygons(ring).area) for ring in rings]
-    outer = int(np.argmax(area))
-    return shapely.Polygon(rings[outer], [r for i, r in enumerate(rings) if i != outer])
+def _place_for(
+    text: str, rooms: list[shapely.Polygon], beside_seams: IntArray
+) -> tuple[int, FloatArray, float]:
+    """The face in which a text may be highest, the text's middle, and its slant in radians.
+
+    Faces without seams come first, as long as letters there are half as high.
+    """
+    shapes = np.asarray(rooms)
+    large = np.argsort(-shapely.area(shapes), kind="stable")[:_MOST_TRIED]
+    near = 0.1 * shapely.area(shapes[large]) / shapely.length(shapes[large])
+    disks = shapely.maximum_inscribed_circle(shapes[large], tolerance=near)
+    middles = shapely.get_coordinates(disks)[::2]
+    best = (0.0, int(large[0]), middles[0], 0.0)
+    for face, middle in zip(large.tolist(), middles, strict=True):
+        side = np.diff(shapely.get_coordinates(shapely.oriented_envelope(shapes[face])), axis=0)
+        along = side[np.argmax(np.hypot(*side.T))]
+        for slant in (0.0, float(np.arctan(along[1] / along[0])) if along[0] else np.pi / 2):
+            height = highest(text, middle, slant, shapes[face])
+            if face in beside_seams:
+                height /= 2
+            if height > best[0] * (1 + 1e-9):
+                best = (height, face, middle, slant)
+    return best[1:]
 
 
 def _numbered(
@@ -502,6 +540,9 @@ def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
         text = (
             f"the sheet is cut into {len(made.pieces)} pieces with {len(made.seams)} seam edges. "
             "Glue them in the order of their labels."
+            if made.seams
+            else f"the sheet comes apart into {len(made.pieces)} pieces without seams: there is "
+            "nothing to glue."
         )
         findings.append(Finding("sheet-split", Severity.NOTE, text))
     bare = [seam.edges[0] for seam in made.seams if seam.tab is None]
@@ -513,12 +554,12 @@ def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
         findings.append(
             Finding("tab-no-room", Severity.WARNING, text, creases=tuple(bare[:_MOST_NAMED]))
         )
-    small = [label.height_mm for piece in made.pieces for label in piece.labels]
-    small = [height for height in small if height < _READABLE_MM]
-    if small:
+    missing = sum(len(piece.unwritten) for piece in made.pieces)
+    if missing and made.labelled:
         text = (
-            f"{len(small)} labels are smaller than {_READABLE_MM:g} mm, the smallest "
-            f"{min(small):.2g} mm, for want of room. Enlarge the sheet to read them."
+            f"{missing} labels are left out: on their faces is no room for letters of "
+            f"{_READABLE_MM:g} mm. Enlarge the sheet to have them engraved; the report lists the "
+            "seams of all pieces."
         )
         findings.append(Finding("label-too-small", Severity.WARNING, text))
     return findings

@@ -1,13 +1,15 @@
-"""Which faces do lines in the plane enclose, and where do lines cross?"""
+"""Which faces do lines in the plane enclose, and where do lines cross or lie on each other?"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
 from fab.polygons import ring_areas
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["enclosed_faces", "first_crossing", "without_dangling"]
+__all__ = ["enclosed_faces", "first_abutting", "first_crossing", "without_dangling"]
 
 _CHUNK = 100_000
 
@@ -77,19 +79,59 @@ def first_crossing(
     tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); of two such edges,
     ends may lie on the other edge, or both on each other (the lips of a slit); they must not cross.
     """
+    ends = vertices_coords[edges_vertices]
+    for one, two in _near(ends, tolerance):
+        found = _meeting(ends, edges_vertices, one, two, tolerance, may_touch)
+        if found is not None:
+            return found
+    return None
+
+
+def first_abutting(
+    vertices_coords: FloatArray,
+    edges_vertices: IntArray,
+    tolerance: float,
+    may_touch: BoolArray,
+) -> tuple[int, int, FloatArray] | None:
+    """Two edges that run along each other in opposite directions, and a point where; None if none.
+
+    Of faces that are counterclockwise, and wind these edges, one lies on either side. Edges that
+    turn away from each other, or meet end to end, do not abut.
+
+    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); two such edges may
+    abut.
+    """
+    ends = vertices_coords[edges_vertices]
+    for one, two in _near(ends, tolerance):
+        checked = ~(may_touch[one] & may_touch[two])
+        one, two = one[checked], two[checked]
+        (a, b), (c, d) = ends[one].swapaxes(0, 1), ends[two].swapaxes(0, 1)
+        length = np.hypot(*(b - a).T)
+        along = (b - a) / length[:, None]
+        level = np.abs([_off(a, b, c), _off(a, b, d)]).max(axis=0) <= tolerance
+        level |= np.abs([_off(c, d, a), _off(c, d, b)]).max(axis=0) <= tolerance
+        # where the second edge begins and ends along the first, in length; it runs back
+        start, end = ((c - a) * along).sum(axis=1), ((d - a) * along).sum(axis=1)
+        low = np.maximum(end, 0)
+        common = np.minimum(start, length) - low
+        found = np.flatnonzero(level & (common > tolerance))
+        if len(found):
+            k = int(found[0])
+            middle = low[k] + common[k] / 2
+            return int(one[k]), int(two[k]), a[k] + middle * along[k]
+    return None
+
+
+def _near(ends: FloatArray, tolerance: float) -> Iterator[tuple[IntArray, IntArray]]:
+    """Pairs of edges whose boxes come nearer than the tolerance, many at a time, first < second."""
     import shapely
 
-    ends = vertices_coords[edges_vertices]
     tree = shapely.STRtree(shapely.linestrings(ends))
     boxes = shapely.box(*(ends.min(axis=1) - tolerance).T, *(ends.max(axis=1) + tolerance).T)
     for begin in range(0, len(ends), _CHUNK):
         one, two = tree.query(boxes[begin : begin + _CHUNK])
         one = one + begin
-        one, two = one[one < two], two[one < two]
-        found = _meeting(ends, edges_vertices, one, two, tolerance, may_touch)
-        if found is not None:
-            return found
-    return None
+        yield one[one < two], two[one < two]
 
 
 def _meeting(

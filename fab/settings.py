@@ -1,15 +1,236 @@
-"""How is a value that a person wrote down checked?"""
+"""How is what a person wrote down read and checked, and how is it said what is wrong with it?"""
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+import difflib
+import stat
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
-__all__ = ["Settings"]
+from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic.fields import FieldInfo
+
+from fab.errors import InvalidJob
+
+__all__ = ["Settings", "checked", "read_toml"]
+
+# Files that people write are a few kilobytes long.
+_LARGEST_BYTES = 1_000_000
+_LONGEST_SHOWN = 80
+
+# What a number must be, and what other values must, by pydantic's name of the error.
+_NUMBERS = {
+    "finite_number": "a finite number",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "greater_than": "",
+    "greater_than_equal": "",
+    "less_than": "",
+    "less_than_equal": "",
+}
+_OTHERS = {
+    "bool_type": "be true or false",
+    "string_type": "be text in quotes",
+    "string_too_short": "not be empty",
+    "list_type": "be a list, such as [1.0, 2.0]",
+    "tuple_type": "be a list, such as [1.0, 2.0]",
+    "literal_error": "be {expected}",
+    "enum": "be {expected}",
+    "too_short": "have {min_length} values or more",
+    "too_long": "have {max_length} values or fewer",
+}
 
 
 class Settings(BaseModel):
-    """Base of all tables of a job: read-only, no unknown keys, no NaN, no text for numbers."""
+    """Base of all tables that people write.
+
+    Read-only, no unknown keys, no NaN, no text for numbers.
+    """
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False, strict=True, validate_default=True
     )
+
+
+Table = TypeVar("Table", bound=Settings)
+
+
+def read_toml(path: Path, cure: str) -> dict[str, Any]:
+    """The tables of a TOML file. Raises `InvalidJob`, with `cure` where there is no such file."""
+    try:
+        whole = path.stat()
+        if not stat.S_ISREG(whole.st_mode):
+            raise InvalidJob(f"{path}: not a file. {cure}")
+        if whole.st_size > _LARGEST_BYTES:
+            bound = f"must have at most {_LARGEST_BYTES}"
+            raise InvalidJob(f"{path}: has {whole.st_size} bytes, {bound}. {cure}")
+        text = path.read_bytes()
+    except OSError as error:
+        raise InvalidJob(f"{path}: cannot be read: {error.strerror}. {cure}") from error
+    try:
+        return tomllib.loads(text.decode("utf-8-sig"))
+    except (ValueError, RecursionError) as error:
+        raise InvalidJob(f"{path}: not a TOML file: {error}. Correct it there.") from error
+
+
+def checked(model: type[Table], document: Mapping[str, Any], source: str, cure: str) -> Table:
+    """The document as settings. Raises `InvalidJob` with all keys at fault.
+
+    source : begins the message, such as the file's path; cure : where keys are missing.
+    """
+    try:
+        return model.model_validate(document)
+    except ValidationError as error:
+        lines = [_refusal(e, model, document, cure) for e in error.errors(include_url=False)]
+        raise InvalidJob(f"{source}: " + "\n".join(lines)) from error
+
+
+def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str:
+    """One error of pydantic's in the project's words: key, value, bound and cure."""
+    place = _place(error["loc"], document)
+    key = ".".join(place)
+    kind, value = error["type"], error.get("input")
+    field, annotation = _field(model, place, document)
+    if kind == "extra_forbidden":
+        known = _known_keys(model, place[:-1], document)
+        hint = _hint(model, place, known, document)
+        return f"{key} is not a known key.{hint} Known here: {', '.join(sorted(known))}."
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        given = value.get("kind") if isinstance(value, Mapping) else None
+        known = [name for table in _choices(annotation) for name in _kinds(table)]
+        close = difflib.get_close_matches(str(given), known, 1, 0.4)
+        hint = f" Did you mean {close[0]}?" if close else ""
+        return f"{key}.kind = {_shown(given)} must be one of {', '.join(sorted(known))}.{hint}"
+    if kind == "missing" and place[-1].isdigit():
+        return f"{'.'.join(place[:-1])} has too few values. Give all of them."
+    if kind == "missing":
+        return f"{key} is missing. Add it{_about(field)}. {cure}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        if not key:
+            return f"{_shown(value)} must be a table of keys. {cure}"
+        return f"{key} = {_shown(value)} must be a table, such as [{key}] with keys below it."
+    given = f"{key} = {_shown(value)}"
+    if kind == "value_error":
+        said = error["msg"].removeprefix("Value error, ")
+        said += "" if said.endswith(("?", ".")) else "."
+        whole = isinstance(value, Mapping | Settings)
+        return f"{key if whole else given}: {said}" if key else said
+    if kind == "string_pattern_mismatch":
+        return f"{given} is refused. Correct it{_about(field)}."
+    bound = _bound(field)
+    if kind in _NUMBERS and (_NUMBERS[kind] or bound):
+        must = "must be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
+    elif kind in _OTHERS:
+        must = "must " + _OTHERS[kind].format(**error.get("ctx", {}))
+    else:
+        must = error["msg"]
+    return f"{given} is refused: {must}. Correct it{_about(field)}."
+
+
+def _shown(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 3]}..."
+
+
+def _about(field: FieldInfo | None) -> str:
+    return f" ({field.description})" if field is not None and field.description else ""
+
+
+def _bound(field: FieldInfo | None) -> str:
+    """The bounds of a number in words, all of them."""
+    words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+    parts = [
+        f"{word} {getattr(limit, name):g}"
+        for limit in (field.metadata if field is not None else [])
+        for name, word in words.items()
+        if hasattr(limit, name)
+    ]
+    return " and ".join(parts)
+
+
+def _hint(model: type[Settings], place: Sequence[str], here: Sequence[str], document: Any) -> str:
+    """The nearest known key, in the same table or else in any other."""
+    close = difflib.get_close_matches(place[-1], here, 1, 0.6)
+    if close:
+        return f" Did you mean {'.'.join([*place[:-1], close[0]])}?"
+    elsewhere = {
+        key: f"{table}.{key}"
+        for table in model.model_fields
+        for key in _known_keys(model, [table], document)
+    }
+    close = difflib.get_close_matches(place[-1], elsewhere, 1, 0.8)
+    return f" Did you mean {elsewhere[close[0]]}?" if close else ""
+
+
+def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> list[str]:
+    _, annotation = _field(model, place, document)
+    node = document
+    for part in place:
+        node = _within(node, part)
+    return list(getattr(_table(annotation, node), "model_fields", {}))
+
+
+def _field(
+    model: type[Settings], place: Sequence[str], document: Any
+) -> tuple[FieldInfo | None, Any]:
+    """The field at a place (none for what lies in a list, and where nothing is known), its type."""
+    field, annotation, node = None, model, document
+    for part in place:
+        table = _table(annotation, node)
+        if get_origin(table) in (list, tuple):
+            field, annotation = None, get_args(table)[0]
+        else:
+            field = getattr(table, "model_fields", {}).get(part)
+            annotation = field.annotation if field is not None else Settings
+        node = _within(node, part)
+    return field, annotation
+
+
+def _table(annotation: Any, node: Any) -> Any:
+    """The table that an annotation stands for; of a choice, the one that the node's kind names."""
+    tables = _choices(annotation)
+    if len(tables) == 1:
+        return tables[0]
+    return next((table for table in tables if _kind(node) in _kinds(table)), Settings)
+
+
+def _choices(annotation: Any) -> list[Any]:
+    if get_origin(annotation) is Annotated:
+        return _choices(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        parts = [part for part in get_args(annotation) if part is not NoneType]
+        return [table for part in parts for table in _choices(part)]
+    return [annotation]
+
+
+def _kinds(table: Any) -> tuple[str, ...]:
+    """The name that a table of a choice goes by in its key `kind`."""
+    fields = getattr(table, "model_fields", {})
+    return get_args(fields["kind"].annotation) if "kind" in fields else ()
+
+
+def _place(loc: Sequence[Any], document: Any) -> list[str]:
+    """Where in the document; pydantic names the kind of a table between the table and its key."""
+    out = []
+    for part in loc:
+        if isinstance(document, Mapping) and part not in document and part == _kind(document):
+            continue
+        out.append(str(part))
+        document = _within(document, part)
+    return out
+
+
+def _kind(node: Any) -> Any:
+    """The kind that a table names; styles without one are dashes."""
+    return node.get("kind", "dashes") if isinstance(node, Mapping) else None
+
+
+def _within(node: Any, part: Any) -> Any:
+    if isinstance(node, Mapping):
+        return node.get(part)
+    index = int(part) if isinstance(node, list) and str(part).isdigit() else -1
+    return node[index] if 0 <= index < len(node) else None

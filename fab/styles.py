@@ -29,11 +29,12 @@ __all__ = [
     "ScoreStyle",
     "cuts_along",
     "require_kerf",
+    "unscaled_length",
 ]
 
 # What is left of a crease between its margins must be longer than this to be cut; pierces are drawn
 # as cuts of this length.
-_SHORTEST_CUT_MM = 0.01
+SHORTEST_CUT_MM = 0.01
 # A cutter takes days over more, and they fill the memory.
 _MOST_DASHES = 5_000_000
 _WIDEST_KERF_MM = 10.0
@@ -196,6 +197,18 @@ def cuts_along(
     return Cuts(np.concatenate(parts)[order], owner[order], np.concatenate(pierced)[order])
 
 
+def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> float:
+    """The room about `near_mm` long in which cuts come out exactly as long as the style says.
+
+    periods : how many there are at least. Styles without a rhythm fit any room.
+    """
+    if isinstance(style, ScoreStyle | EngraveStyle | NoStyle):
+        return near_mm
+    period, marks = _rhythm(style)
+    first = float(marks[0, 1])
+    return first + period * max(periods, round((near_mm - first) / period))
+
+
 def require_kerf(kerf_mm: float) -> None:
     """Raise `InvalidValue` unless `kerf_mm` lies from 0 to 10."""
     require_finite("kerf_mm", kerf_mm)
@@ -229,7 +242,7 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
         else:
             repeats = np.maximum(0, np.rint((room - first) / period)).astype(np.int64)
             scale = room / np.where(repeats > 0, repeats * period + first, np.maximum(first, room))
-    has = (room > _SHORTEST_CUT_MM) & (not isinstance(style, NoStyle))
+    has = (room > SHORTEST_CUT_MM) & (not isinstance(style, NoStyle))
     many = has & (repeats > 0)
     heights: FloatArray = np.zeros(1)
     if isinstance(style, LatticeStyle):
@@ -289,8 +302,8 @@ def _drawn(
     """What to draw for the wanted cuts of a row, shape (m, 2), and which become pierces (m,)."""
     if kerf_mm == 0:
         return np.stack([begin, end], axis=1), np.zeros(len(begin), bool)
-    pierced = end - begin - kerf_mm < _SHORTEST_CUT_MM
-    half = np.where(pierced, _SHORTEST_CUT_MM, end - begin - kerf_mm) / 2
+    pierced = end - begin - kerf_mm < SHORTEST_CUT_MM
+    half = np.where(pierced, SHORTEST_CUT_MM, end - begin - kerf_mm) / 2
     middle = (begin + end) / 2
     along = np.stack([middle - half, middle + half], axis=1)
     bridge = (along[1:, 0] - along[:-1, 1])[owner[1:] == owner[:-1]].min(initial=np.inf)

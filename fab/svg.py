@@ -12,6 +12,7 @@ from xml.sax.saxutils import escape, quoteattr
 from fab.colours import Colours
 from fab.digits import write_records
 from fab.paths import CutPaths, Layer
+from fab.titles import plain_title
 
 __all__ = ["svg_bytes"]
 
@@ -32,7 +33,7 @@ def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
         'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
         f'width="{box[2]:.6f}mm" height="{box[3]:.6f}mm" '
         f'viewBox="{box[0]:.6f} {box[1]:.6f} {box[2]:.6f} {box[3]:.6f}">\n'
-        f"<title>{escape(title)}</title>\n"
+        f"<title>{escape(plain_title(title))}</title>\n"
     )
     chosen = colours or Colours()
     out = io.BytesIO()

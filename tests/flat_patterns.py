@@ -68,3 +68,22 @@ def triangles(seed: int, count: int = 30, size: float = 200.0) -> CreasePattern:
     edges = len(pattern_of(coords, faces).edges_vertices)
     letters = random.choice(["M", "V", "F", "U", "C"], edges, p=[0.4, 0.4, 0.08, 0.08, 0.04])
     return pattern_of(coords, faces, letters, angle=random.uniform(0, 180, edges))
+
+
+def turned_strip(quads: int, turns: float, rows: int = 1, seed: int | None = None) -> CreasePattern:
+    """Rows of quads around a centre, counterclockwise, the first again over itself after one turn.
+
+    seed : of the distances from the centre; without it every row is 40 wide, the first 60 away.
+    """
+    angle = turns * 2 * np.pi * np.arange(quads + 1) / quads
+    distance = 60.0 + 40.0 * np.arange(rows + 1)[:, None] + np.zeros(quads + 1)
+    if seed is not None:
+        distance += np.random.default_rng(seed).uniform(-15, 15, distance.shape)
+    coords = np.stack([distance * np.cos(angle), distance * np.sin(angle)], axis=-1).reshape(-1, 2)
+    across = quads + 1
+    faces = [
+        [r * across + c, (r + 1) * across + c, (r + 1) * across + c + 1, r * across + c + 1]
+        for r in range(rows)
+        for c in range(quads)
+    ]
+    return pattern_of(coords, faces, "V")

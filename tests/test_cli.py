@@ -1,6 +1,7 @@
 """The command line: answers, exit codes, what is imported, and README's own words."""
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -171,6 +172,20 @@ def test_progress_is_silent_in_a_pipe(here):
     assert b"\x1b" not in done.stdout
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="file names of POSIX")
+def test_what_the_terminal_cannot_show_is_escaped(here):
+    folder = os.fsdecode("ü".encode() + b"\xff")
+    words = ["run", str(TEMPLATES / "miura.toml"), "--only", "svg", "--out", folder]
+    done = subprocess.run(
+        [sys.executable, "-m", "fab", *words],
+        capture_output=True,
+        check=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+    )
+    assert b"wrote \\xfc\\udcff/miura.svg" in done.stdout
+    assert names_in(folder) == ["miura.svg", "report.json"]
+
+
 def test_python_of_the_readme_runs(here):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     assert len(blocks) == 1
@@ -179,6 +194,24 @@ def test_python_of_the_readme_runs(here):
     )
     assert "grown 360 faces" in done.stdout
     assert names_in("out") == ["report.json", "sheet.dxf", "sheet.fold"]
+
+
+def test_the_laser_part_of_the_readme_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Sheets for your laser")[2].partition("\n## ")[0]
+    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+    lines = [line.partition("#")[0].split() for line in block.splitlines()]
+    Path("out").mkdir()
+    Path("out/curved_fold.fold").write_bytes(made_template("curved_fold").files["curved_fold.fold"])
+    results = [run(*words[1:]) for words in lines]
+    assert all(result.exit_code == 0 for result in results), results
+    said = re.search(r"`(\d+ pieces, [^`]* minutes)`", part)[1]
+    assert said in results[-1].output
+    kinds = [f"curved_fold_1.{kind}" for kind in ("dxf", "pdf", "svg")]
+    assert names_in("sheets") == [*kinds, "report.json"]
+    assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
+    for side in re.findall(r"`(curved_fold_1_\w+)`", part):
+        assert f"{side}.dxf" in names_in("sheets")
 
 
 def test_commands_of_the_readme_exist():

@@ -1,13 +1,20 @@
 """The test card: on every machine, in every material."""
 
+from io import StringIO
+
+import ezdxf
 import numpy as np
 import pytest
 import shapely
 
+from fab.colours import Colour, Colours
 from fab.coupon import coupon
-from fab.dxf import dxf_bytes
-from fab.materials import load_machine, load_material, shipped
+from fab.drawings import SheetFormat, drawing_files
+from fab.dxf import DxfVersion, dxf_bytes
+from fab.materials import load_machine, load_material
 from fab.paths import Operation
+from fab.shipped import shipped
+from fab.styles import DotStyle
 from solver.errors import InvalidValue
 
 CASES = [(k, m) for k in shipped("machines") for m in shipped("materials")]
@@ -23,13 +30,14 @@ def lines(layer):
 def test_the_card_fits_the_bed_and_cuts_nothing_twice(machine, material):
     machine, material = load_machine(machine), load_material(material)
     paths = coupon(machine, material)
-    assert (np.array(paths.size_mm) <= machine.room_mm).all()
+    assert paths.size_mm == machine.bed_mm
     assert [layer.operation for layer in paths.layers] == sorted(
         {layer.operation for layer in paths.layers}, key=list(Operation).index
     )
     every = np.concatenate([lines(layer) for layer in paths.layers])
-    assert every.min() >= 0
-    assert (every.reshape(-1, 2).max(axis=0) <= np.array(paths.size_mm) + 1e-9).all()
+    assert every.min() == pytest.approx(machine.margin_mm)  # in the margins' corner
+    free = np.array(paths.size_mm) - machine.margin_mm
+    assert (every.reshape(-1, 2).max(axis=0) <= free + 1e-9).all()
     cut = np.concatenate([lines(la) for la in paths.layers if la.operation != Operation.ENGRAVE])
     length = np.hypot(*(cut[:, 1] - cut[:, 0]).T)
     assert length.min() > 0
@@ -88,3 +96,44 @@ def test_the_same_card_is_written_alike_and_small_beds_are_refused():
     assert dxf_bytes(coupon(machine, material)) == dxf_bytes(coupon(machine, material))
     with pytest.raises(InvalidValue, match="bed = 50 x 40 mm"):
         coupon(machine.model_copy(update={"bed_mm": (60.0, 50.0)}), material)
+
+
+def test_dots_that_would_join_are_left_out():
+    machine, material = load_machine("co2_60w_600x400"), load_material("card_300gsm")
+    style = DotStyle(dot_mm=0.8, pitch_mm=1.0)
+    perforation = material.perforation.model_copy(update={"mountain": style})
+    paths = coupon(machine, material.model_copy(update={"perforation": perforation}))
+    dots = next(la for la in paths.layers if la.operation is Operation.MOUNTAIN).segments
+    lengths = np.unique(np.ptp(dots[..., 0], axis=1).round(6))
+    assert lengths == pytest.approx([0.4, 0.56, 0.8, 1.12, 1.6])
+    rows = {
+        y: np.unique(np.ptp(dots[dots[:, 0, 1].round(6) == y][..., 0], axis=1).round(6)).max()
+        for y in np.unique(dots[:, 0, 1].round(6))
+    }
+    pitches = (0.5, 0.7, 1.0, 1.4, 2.0)
+    longest = [max(length for length in lengths if length < pitch) for pitch in pitches]
+    assert list(rows.values()) == pytest.approx(longest)
+
+
+@pytest.mark.parametrize("letter", [Operation.MOUNTAIN, Operation.VALLEY])
+def test_tongues_of_rigid_sheet_bend_on_the_lattice_of_the_pieces(letter):
+    machine, material = load_machine("fibre_1kw_1500x1000"), load_material("plywood_3mm")
+    style = material.perforation.mountain
+    slits = next(la for la in coupon(machine, material).layers if la.operation is letter).segments
+    rows = np.unique(slits[:, 0, 1].round(6))
+    assert len(rows) == 5 * style.rows
+    assert np.diff(rows).min() == pytest.approx(style.pitch_mm)
+    longest = np.ptp(slits[..., 0], axis=1).max()
+    assert longest == pytest.approx(2 * style.cut_mm)
+    assert (slits[..., 1] == slits[:, :1, 1]).all()
+
+
+def test_colours_are_those_of_the_machine():
+    colours = Colours(engrave=Colour(hex="#123456", aci=42))
+    machine = load_machine("co2_60w_600x400").model_copy(update={"colours": colours})
+    card = coupon(machine, load_material("card_300gsm"))
+    files = drawing_files(card, "card", list(SheetFormat), machine.colours, DxfVersion.R12)
+    assert b'stroke="#123456"' in files["card.svg"]
+    assert b"AC1009" in files["card.dxf"]
+    assert ezdxf.read(StringIO(files["card.dxf"].decode())).layers.get("ENGRAVE").color == 42
+    assert list(files) == ["card.dxf", "card.svg", "card.pdf"]

@@ -24,6 +24,7 @@ from fab.paths import CutPaths, Layer, Operation
 from fab.pdf import pdf_bytes
 from fab.perforation import PerforationSettings, perforate
 from fab.svg import svg_bytes
+from fab.titles import plain_title
 from solver import CurvedFold, InvalidValue
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -93,6 +94,29 @@ def test_svg_is_millimetres_with_one_inkscape_layer_per_operation(paths):
     assert [g.get(f"{INKSCAPE}label") for g in groups] == ["MOUNTAIN", "VALLEY", "CUT"]
     assert all(g.get(f"{INKSCAPE}groupmode") == "layer" for g in groups)
     assert [g.get("stroke") for g in groups] == ["#ff0000", "#0000ff", "#000000"]
+
+
+NASTY = "a\x00\x1b[31m\n\r\u2028</title><script>&amp;\udcff\ufffe\u202e ü(\\)%"
+
+
+def test_titles_of_any_text_leave_files_that_can_be_read(paths):
+    plain = plain_title(NASTY)
+    assert plain == "a__[31m___</title><script>&amp;___ ü(\\)%"
+    root = ElementTree.fromstring(svg_bytes(paths, NASTY))
+    assert root.find(f"{SVG}title").text == plain
+    assert root.find(f".//{SVG}script") is None
+    reader = PdfReader(io.BytesIO(pdf_bytes(paths, NASTY)))
+    assert reader.metadata.title == plain
+    assert len(reader.pages) == 1
+
+
+@given(st.text())
+def test_titles_are_printable_and_stay_so(text):
+    plain = plain_title(text)
+    assert plain.isprintable()
+    assert len(plain) == len(text)
+    assert plain_title(plain) == plain
+    assert not text.isprintable() or plain == text
 
 
 def test_svg_shows_the_upper_side_not_its_mirror(paths):

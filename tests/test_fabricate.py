@@ -1,6 +1,10 @@
 """From a FOLD file to sheets: pieces, beds, files, the report, and the command line."""
 
 import json
+import os
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
 from io import StringIO
 from pathlib import Path
 
@@ -9,14 +13,28 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from helpers import made_template
+from flat_patterns import grid, triangles, turned_strip
+from helpers import TEMPLATES, made_template
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pypdf import PdfReader
+from scipy.spatial import cKDTree
 
 from fab.cli import main
+from fab.drawings import SheetFormat
 from fab.errors import InvalidJob, Severity
-from fab.fabricate import SheetFormat, _perforation, fabricate, scaled
-from fab.materials import load_machine, load_material, shipped
+from fab.fabricate import fabricate, left_over, scaled
+from fab.fold_file import fold_bytes
+from fab.job import load_job
+from fab.make import Format, make
+from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
+from fab.perforation import cut_layers
+from fab.pieces import split
+from fab.polygons import ring_areas
+from fab.shipped import shipped
+from fab.two_sided import Registration
 from solver import InvalidValue
 
 PATTERNS = Path(__file__).parent / "patterns"
@@ -35,6 +53,20 @@ def sheets_of(name, material, width_mm=400.0, **choices):
         findings=findings,
         **choices,
     )
+
+
+def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
+    """What is made, and the pieces that it is made of."""
+    kept = []
+
+    def kept_split(*given_):
+        kept.append(split(*given_))
+        return kept[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("fab.fabricate.split", kept_split)
+        made = fabricate(pattern, name, load_material(material), machine, **choices)
+    return kept[0][0], made
 
 
 def drawn(data):
@@ -75,10 +107,56 @@ def test_patterns_of_others_come_out_on_the_bed_and_nothing_is_cut_twice(name, m
         assert sheet["pierces"] == len(through)
 
 
+@st.composite
+def random_patterns(draw):
+    """Triangles anywhere, or squares with holes and cuts; some larger than the bed."""
+    if draw(st.booleans()):
+        return scaled(triangles(draw(st.integers(0, 10**6))), width_mm=draw(st.floats(100, 300)))
+    places = st.tuples(st.integers(0, 5), st.integers(0, 4))
+    cuts = [(i, i + 1) for i in draw(st.sets(st.integers(7, 33), max_size=4)) if (i + 1) % 7]
+    return grid(6, 5, draw(st.floats(25, 60)), draw(st.sets(places, max_size=12)), cuts)
+
+
+@given(
+    random_patterns(),
+    st.sampled_from(["copy_paper_80gsm", "plywood_3mm", "card_300gsm"]),
+    st.integers(1, 2),
+)
+@settings(max_examples=12)
+def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, copies):
+    """All pieces inside the bed and apart, of the right area; nothing is cut twice."""
+    machine = load_machine("co2_40w_300x200")
+    pieces, made = with_pieces(
+        pattern, "any", machine, material, copies=copies, formats=[SheetFormat.DXF]
+    )
+    every = np.concatenate([piece.faces[piece.faces >= 0] for piece in pieces.pieces])
+    assert sorted(every.tolist()) == list(range(pattern.face_count))
+    bed = shapely.box(0, 0, *machine.bed_mm).buffer(-machine.margin_mm + 1e-5)
+    kept = 0.0
+    for sheet in made.report["sheets"]:
+        lines = drawn(made.files[sheet["files"][0]])
+        assert all(bed.covers(line) for layer in lines.values() for line in layer)
+        through = [line for layer, own in lines.items() if layer != "ENGRAVE" for line in own]
+        total = sum(line.length for line in through)
+        assert shapely.union_all(through, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
+        rings = [line for line in lines["CUT"] if line.is_ring]
+        outlines = shapely.get_parts(shapely.build_area(shapely.union_all(rings)))
+        assert len(outlines) == len(sheet["pieces"])
+        one, two = shapely.STRtree(outlines).query(outlines, "dwithin", distance=1.9)
+        assert (one == two).all()
+        cores = shapely.buffer(outlines, -machine.kerf_mm / 2, join_style="mitre", mitre_limit=9)
+        kept += float(shapely.area(cores).sum())
+    whole = sum(
+        ring_areas(p.vertices_coords[p.faces_vertices], p.faces_offsets).sum()
+        for p in (piece.pattern for piece in pieces.pieces)
+    )
+    assert kept == pytest.approx(copies * whole, rel=1e-3)
+
+
 def test_every_material_suits_every_machine():
     for machine in shipped("machines"):
         for material in shipped("materials"):
-            style = _perforation(load_machine(machine), load_material(material))
+            style = perforation_for(load_machine(machine), load_material(material))
             whole = load_machine(machine).profile == "whole_lines"
             assert (style.mountain.kind == style.valley.kind == "score") or not whole
 
@@ -125,6 +203,121 @@ def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     assert all(row["pieces"] == ["A", "A"] for row in whole.report["glue_up"])
 
 
+def outlines_on(made):
+    """Areas within the outer outlines on each sheet, drawn without a kerf."""
+    for sheet in made.report["sheets"]:
+        rings = [line for line in drawn(made.files[sheet["files"][0]])["CUT"] if line.is_ring]
+        yield sheet, [shapely.Polygon(ring) for ring in rings]
+
+
+@pytest.mark.parametrize(("turns", "rows"), [(1.4, 1), (2.3, 2), (3.1, 1)])
+def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, turns, rows):
+    strip = turned_strip(int(14 * turns), turns, rows, seed=int(10 * turns))
+    (tmp_path / "turned.fold").write_bytes(fold_bytes(strip, "turned"))
+    pattern, findings = read_pattern(tmp_path / "turned.fold")
+    made = fabricate(
+        pattern,
+        "turned",
+        load_material("card_300gsm"),
+        load_machine("knife_a3_roll"),
+        formats=[SheetFormat.DXF],
+        findings=findings,
+    )
+    assert made.within_tolerance, made.findings
+    assert {"sheet-overlaps", "sheet-split"} <= {f["code"] for f in made.report["findings"]}
+    assert sum(piece["faces"] for piece in made.report["pieces"]) == pattern.face_count
+    names = [piece["name"] for piece in made.report["pieces"]]
+    assert {name for row in made.report["glue_up"] for name in row["pieces"]} == set(names)
+    assert len(made.report["glue_up"]) >= len(names) - 1
+    assert load_machine("knife_a3_roll").kerf_mm == 0
+    total = 0.0
+    for sheet, polygons in outlines_on(made):
+        assert len(polygons) == len(sheet["pieces"])
+        assert shapely.is_valid(polygons).all()
+        total += shapely.union_all(polygons).area
+    # tabs come on top; no piece covers any of its own faces twice
+    corners = np.split(pattern.vertices_coords[pattern.faces_vertices], pattern.faces_offsets[1:-1])
+    assert total >= shapely.area([shapely.Polygon(ring) for ring in corners]).sum() * (1 - 1e-6)
+
+
+def test_two_pieces_drawn_over_each_other_are_two_pieces(tmp_path):
+    square = [[0, 0], [90, 0], [90, 90], [0, 90]]
+    document = {
+        "frame_unit": "mm",
+        "vertices_coords": square + [[x + 20, y + 10] for x, y in square],
+        "faces_vertices": [[0, 1, 2, 3], [4, 5, 6, 7]],
+    }
+    (tmp_path / "two.fold").write_text(json.dumps(document))
+    pattern, _ = read_pattern(tmp_path / "two.fold")
+    made = fabricate(pattern, "two", load_material("card_300gsm"), load_machine(MACHINE))
+    assert [piece["faces"] for piece in made.report["pieces"]] == [1, 1]
+    assert made.report["glue_up"] == []
+    (sheet,) = made.report["sheets"]
+    assert len(sheet["pieces"]) == 2
+
+
+def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
+    job = load_job(TEMPLATES / "brownian_ribbon_1000.toml")
+    (tmp_path / "ribbon.fold").write_bytes(make(job, [Format.FOLD]).files[f"{job.name}.fold"])
+    pattern, findings = read_pattern(tmp_path / "ribbon.fold")
+    assert findings == ()
+    assert pattern.face_count == 1000
+    with np.errstate(all="ignore"):
+        made = fabricate(
+            pattern,
+            "ribbon",
+            load_material("card_300gsm"),
+            load_machine(MACHINE),
+            formats=[SheetFormat.SVG],
+        )
+    assert not made.within_tolerance
+    told = {finding.code: finding.text for finding in made.findings}
+    assert (
+        "1000 of 1000 faces are not wider than the kerf (0.15 mm)"
+        in told["face-narrower-than-kerf"]
+    )
+    for code in ("face-narrower-than-kerf", "crease-too-short"):
+        assert "times as large" in told[code]
+
+
+@pytest.mark.parametrize("name", ["nested_cones", "elliptic_ring", "twisted_squares"])
+def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
+    made = make(load_job(TEMPLATES / f"{name}.toml"), [Format.FOLD])
+    (tmp_path / "ring.fold").write_bytes(made.files[f"{name}.fold"])
+    pattern, _ = read_pattern(tmp_path / "ring.fold")
+    pattern = scaled(pattern, factor=5.0)
+    machine = load_machine(MACHINE)
+    bed = tuple(np.ptp(pattern.vertices_coords, axis=0) + 100.0)
+    pieces, made = with_pieces(
+        pattern, "ring", machine.model_copy(update={"bed_mm": bed}), formats=[SheetFormat.SVG]
+    )
+    (piece,) = pieces.pieces
+    # of the folded form: edges of one face each that lie on each other
+    border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
+    middle = pattern.folded_coords[pattern.edges_vertices[border]].mean(axis=1)
+    meeting = border[cKDTree(middle).query(middle, k=2)[0][:, 1] < 1e-5]
+    assert sorted(e for seam in pieces.seams for e in seam.edges) == meeting.tolist()
+    assert len(meeting) > 0
+    bare = {seam.edges[0] for seam in pieces.seams if seam.tab is None}
+    named = [f.creases for f in made.findings if f.code == "tab-no-room"]
+    assert bare == {edge for creases in named for edge in creases}
+    assert len(bare) < len(pieces.seams)
+    assert len(piece.unwritten) < len(pieces.seams)
+    rows = made.report["glue_up"]
+    assert [row["label"] for row in rows] == [seam.label for seam in pieces.seams]
+    for row, seam in zip(rows, pieces.seams, strict=True):
+        assert row["pieces"] == ["A", "A"]
+        assert row["length_mm"] == pytest.approx(seam.length_mm, abs=1e-4)
+        written = [label for label in piece.labels if label.text == str(seam.label)]
+        missing = piece.unwritten.count(str(seam.label))
+        for edge in seam.piece_edges:
+            face = piece.pattern.edges_faces[edge, 0]
+            i, j = piece.pattern.faces_offsets[face : face + 2]
+            corners = piece.pattern.vertices_coords[piece.pattern.faces_vertices[i:j]]
+            beside = [shapely.Polygon(corners).covers(shapely.Point(x.at)) for x in written]
+            assert sum(beside) == 1 or (missing and not any(beside))
+
+
 def test_threads_of_pieces_are_placed_or_refused(tmp_path):
     ribbon = made_template("brownian_ribbon_400").files["brownian_ribbon_400.fold"]
     (tmp_path / "ribbon.fold").write_bytes(ribbon)
@@ -145,6 +338,105 @@ def test_the_same_pattern_gives_the_same_bytes():
     first, second = (sheets_of("resch", "plywood_3mm")[1] for _ in range(2))
     assert dict(first.files) == dict(second.files)
     assert set(first.files) == {"resch_1.dxf", "resch_1.svg", "resch_1.pdf", "report.json"}
+
+
+def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
+    formats = [SheetFormat.DXF]
+    _, one = sheets_of("yoshimura", "card_300gsm", 300.0, copies=3, formats=formats)
+    _, made = sheets_of(
+        "yoshimura",
+        "card_300gsm",
+        300.0,
+        copies=3,
+        registration=Registration(),
+        formats=formats,
+    )
+    assert made.within_tolerance, made.findings
+    machine = load_machine(MACHINE)
+    scored = perforation_for(machine, load_material("card_300gsm"), scored=True)
+    assert scored.mountain.kind == scored.valley.kind == "score"
+    sheets = made.report["sheets"]
+    assert sum(len(sheet["pieces"]) for sheet in sheets) == 3
+    assert len(sheets) >= len(one.report["sheets"])
+    for number, sheet in enumerate(sheets):
+        names = [f"yoshimura_{number + 1}_{side}.dxf" for side in ("front", "back")]
+        assert sheet["files"] == names
+        front, back = (drawn(made.files[name]) for name in names)
+        assert set(front) == {"ENGRAVE", "MOUNTAIN", "RELIEF"}
+        assert set(back) == {"ENGRAVE", "VALLEY", "CUT"}
+        height = machine.bed_mm[1]
+        over = [
+            shapely.transform(line, lambda p, h=height: p * [1, -1] + [0, h])
+            for own in back.values()
+            for line in own
+        ]
+        both = [*over, *(line for own in front.values() for line in own)]
+        bed = shapely.box(0, 0, *machine.bed_mm).buffer(-machine.margin_mm)
+        assert all(bed.covers(line) for line in both)
+        total = sum(line.length for line in both)
+        assert shapely.union_all(both, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
+        pieces = shapely.union_all([shapely.Polygon(line) for line in over if line.is_ring])
+        assert all(pieces.covers(line) for line in front["MOUNTAIN"])
+        assert sheet["pierces"] == sum(side["pierces"] for side in sheet["sides"])
+        minutes = sum(side["minutes"] for side in sheet["sides"])
+        assert sheet["minutes"] == pytest.approx(minutes, abs=1e-3)
+        assert [side["side"] for side in sheet["sides"]] == ["front", "back"]
+        assert all(name.removesuffix(".dxf") in sheet["turn"] for name in names)
+    # a single sheet of one copy, scored from one side, has the same creases
+    pattern, _ = read_pattern(PATTERNS / "yoshimura.fold")
+    wanted = 3 * sum(layer_length(scaled(pattern, width_mm=300.0), scored).values())
+    assert sum(sheet["perforate_mm"] for sheet in sheets) == pytest.approx(wanted, abs=0.01)
+
+
+def layer_length(pattern, style):
+    layers, _ = cut_layers(pattern, style, load_machine(MACHINE).kerf_mm)
+    return {
+        layer.operation: np.hypot(*np.diff(layer.segments, axis=1)[:, 0].T).sum()
+        for layer in layers
+        if layer.operation in (Operation.MOUNTAIN, Operation.VALLEY)
+    }
+
+
+def test_a_bed_without_room_for_registration_is_refused():
+    machine = load_machine(MACHINE).model_copy(update={"bed_mm": (45.0, 45.0)})
+    pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
+    small = scaled(pattern, width_mm=5.0)
+    material = load_material("copy_paper_80gsm")
+    with pytest.raises(InvalidValue, match="at least 60 mm"):
+        fabricate(small, "small", material, machine, registration=Registration())
+
+
+_RIBBON = """
+import hashlib, sys
+from fab.drawings import SheetFormat
+from fab.fabricate import fabricate, scaled
+from fab.materials import load_machine, load_material
+from fab.pattern_file import read_pattern
+made = fabricate(
+    scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon",
+    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"),
+    formats=[SheetFormat.SVG],
+)
+for name, data in sorted(made.files.items()):
+    print(name, hashlib.sha256(data).hexdigest())
+"""
+
+
+def test_threads_of_pieces_are_placed_alike_in_every_process(tmp_path):
+    """Where hulls stand for needles, and whatever order sets and dicts of strings have."""
+    made = make(load_job(TEMPLATES / "brownian_ribbon_400.toml"), [Format.FOLD])
+    (tmp_path / "ribbon.fold").write_bytes(made.files["brownian_ribbon_400.fold"])
+    told = [
+        subprocess.run(
+            [sys.executable, "-W", "ignore", "-c", _RIBBON, str(tmp_path / "ribbon.fold")],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "77")
+    ]
+    assert told[0] == told[1]
+    assert len(told[0].splitlines()) > 2
 
 
 def test_sizes_are_asked_for_once():
@@ -194,6 +486,55 @@ def test_a_fold_file_becomes_sheets(here):
     assert "1 pieces, 0 seams, 1 sheets of 300 x 200 mm" in result.output
 
 
+def test_both_sides_are_written_in_every_format(here):
+    words = ("fabricate", PATTERNS / "square_twist.fold", *CARD, "--width-mm", 120, "--two-sided")
+    result = run(*words, "--out", "out")
+    assert result.exit_code == 0, result.output
+    kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
+    assert sorted(path.name for path in (here / "out").iterdir()) == sorted([*kinds, "report.json"])
+    assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
+    again = run(*words[:-1], "--out", "out", "--only", "dxf")
+    assert "note: out/square_twist_1_back.dxf and 5 more of this name are from" in again.output
+    assert (here / "out" / "square_twist_1_back.dxf").exists()
+
+
+def test_sheets_of_an_earlier_run_are_named(here):
+    words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--only", "svg")
+    assert "earlier run" not in run(*words, "--copies", 12).output
+    others = ["yoshimura_1_2.svg", "yoshimura_2.png", "yoshimura.svg", "my_yoshimura_2.svg"]
+    others += ["yoshimura_2.svg.old", "yoshimura_2_back.txt"]
+    for name in others:
+        (here / name).touch()
+    sheets = [path.name for path in here.glob("yoshimura_?.svg")]
+    assert len(sheets) > 1
+    result = run(*words)
+    assert f"note: yoshimura_2.svg{' and' if len(sheets) > 2 else ' is from'}" in result.output
+    left = left_over(["yoshimura_1.svg"], "yoshimura", here)
+    assert [path.name for path in left] == sorted(set(sheets) - {"yoshimura_1.svg"})
+    assert left_over([], "yoshimura", here / "missing") == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
+def test_file_names_of_any_bytes_become_names_that_can_be_read(here):
+    file = os.fsdecode(b'a\x1b[31m\n<b>&"\xff.fold')
+    Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    result = run("fabricate", file, *CARD, "--width-mm", 120, "--out", "out")
+    assert result.exit_code == 0, result.output
+    names = sorted(path.name for path in (here / "out").iterdir())
+    plain = 'a_[31m_<b>&"__1'
+    assert names == sorted(["report.json", *(f"{plain}.{kind}" for kind in SheetFormat)])
+    root = ElementTree.fromstring((here / "out" / f"{plain}.svg").read_bytes())
+    assert root[0].text == plain
+    assert drawn((here / "out" / f"{plain}.dxf").read_bytes())
+    assert PdfReader(here / "out" / f"{plain}.pdf").metadata.title == plain
+
+
+def test_the_name_of_a_test_card_is_whole(here):
+    words = ("--material", "polypropylene_0.5mm", "--machine", "co2_40w_300x200", "--only", "svg")
+    assert run("coupon", *words).exit_code == 0
+    assert [p.name for p in here.iterdir()] == ["coupon_polypropylene_0.5mm_co2_40w_300x200.svg"]
+
+
 def test_a_test_card_is_written(here):
     result = run("coupon", *CARD, "--out", "card", "--only", "dxf")
     assert result.exit_code == 0, result.output
@@ -208,7 +549,7 @@ def test_a_test_card_is_written(here):
         (("--material", "card_300gsm", "--machine", "laser"), "machine 'laser' must be one of"),
         ((*CARD, "--scale", "-1"), "scale = -1"),
         ((*CARD, "--copies", "0"), "copies = 0"),
-        ((*CARD, "--width-mm", "100", "--copies", "5000"), "copies = 5000"),
+        ((*CARD, "--width-mm", "100", "--copies", "20000"), "copies = 20000"),
         ((*CARD, "--width-mm", "1e-9"), "narrower than the kerf"),
         ((*CARD, "--only", "dwg"), "must be among dxf,svg,pdf"),
         ((*CARD, "--width-mm", "1e9"), "face"),

@@ -205,7 +205,10 @@ def test_growth_that_stops_is_an_error_with_advice():
         (small(row=3), "row is not a known key. Did you mean design.rows"),
         (small(thickness_mm=3), "Did you mean panels.thickness_mm"),
         (small(sheet=[1]), "sheet = .1. must be a table"),
-        (small(perforation__margin_mm=1e17), "less than or equal to 1000"),
+        (
+            small(perforation__margin_mm=1e17),
+            "must be greater than 0 and at most 1000. Correct it .uncut at both ends",
+        ),
         (small(name=None), "name is missing"),
         (small(sheet=None), "sheet is missing"),
         (small(name="../up"), "name = '../up'"),
@@ -226,7 +229,7 @@ def test_growth_that_stops_is_an_error_with_advice():
         (small(design__columns=3.5), "design.columns = 3.5"),
         (
             small(panels__thickness_mm=0.0),
-            "panels.thickness_mm = 0.0 .* greater than or equal to 0.01",
+            "panels.thickness_mm = 0.0 .* at least 0.01",
         ),
         (small(panels__gap_mm=-0.5), "panels.gap_mm"),
         (small(hinges__web_mm=1.6), "hinges.web_mm = 1.6 must be below panels.thickness_mm = 1.6"),

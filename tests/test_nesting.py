@@ -147,6 +147,50 @@ def test_a_piece_with_many_corners_keeps_its_gap():
     check([wavy], nest([wavy], BED, 0.5, 5), BED, 0.5, 5, 0.0)
 
 
+def test_many_pieces_are_placed_in_batches_that_can_be_interrupted(monkeypatch):
+    monkeypatch.setattr(nesting, "_BATCH_CORNERS", 160)
+    outlines = stars(90, 5, 40.0)
+    seen = []
+    placements = nest(outlines, BED, 2.0, margin_mm=5.0, progress=lambda *steps: seen.append(steps))
+    check(outlines, placements, BED, 2.0, 1, 5.0)
+    assert placements.used[:-1].min() > 0.5
+    assert [placed for placed, _ in seen] == sorted({placed for placed, _ in seen})
+    assert {total for _, total in seen} == {90}
+    assert seen[-1] == (90, 90)
+    assert len(seen) > len(placements.used)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        nest(outlines, BED, 2.0, progress=stop)
+
+
+@settings(max_examples=6)
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 10), st.floats(0, 20), st.integers(40, 100))
+def test_batches_lie_apart_and_inside(seed, gap, margin, corners):
+    """Small batches, so that there are many."""
+    outlines = [*stars(14, seed, 70.0), *stars(6, seed, 20.0)]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(nesting, "_BATCH_CORNERS", corners)
+        placements = nest(outlines, BED, gap, 2, margin)
+    check(outlines, placements, BED, gap, 2, margin)
+
+
+def test_copies_of_full_sheets_cost_nothing(monkeypatch):
+    right, calls = nesting._fill, []
+
+    def counted(*given_):
+        calls.append(given_)
+        return right(*given_)
+
+    monkeypatch.setattr(nesting, "_fill", counted)
+    placements = nest([ANGLE], BED, 2.0, 300)
+    check([ANGLE], placements, BED, 2.0, 300, 0.0)
+    assert len(placements.used) >= 25
+    assert len(calls) <= 5
+
+
 def test_holes_stay_empty():
     frame = shapely.box(0, 0, 280, 180).difference(shapely.box(30, 30, 250, 150))
     placements = nest([frame, shapely.box(0, 0, 50, 40)], BED, 2.0)

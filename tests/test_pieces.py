@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 from helpers import TEMPLATES, published
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -16,8 +16,8 @@ from fab import partition
 from fab.crease import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.development import develop, overlapping_faces
 from fab.job import load_job
-from fab.labels import text_outlines
-from fab.partition import Sheet
+from fab.labels import highest, text_outlines, text_width
+from fab.partition import Sheet, extent
 from fab.pieces import Pieces, SheetSplit, split
 from fab.polygons import ring_areas
 from solver import Crumpled, CurvedFold, InvalidValue, Miura, QuadMesh
@@ -140,8 +140,9 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
     assert not cut & kept
     assert [seam.label for seam in seams] == list(range(1, len(seams) + 1))
     written = [Counter(label.text for label in piece.labels) for piece in pieces]
-    for number, count in enumerate(written):
-        assert count[pieces[number].name] == 1
+    for piece, count in zip(pieces, written, strict=True):
+        count.update(piece.unwritten)
+        assert count[piece.name] == 1
     assembled = {0}
     for seam in seams:
         for side in (0, 1):
@@ -152,7 +153,8 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
             expected = seam.fold_angle_deg if seam.tab == side else 0.0
             assert piece.pattern.edges_foldAngle[edge] == expected
             assert (piece.pattern.edges_faces[edge, 1] >= 0) == (seam.tab == side)
-            assert written[seam.pieces[side]][str(seam.label)] >= 1
+            both = seam.pieces[0] == seam.pieces[1]
+            assert written[seam.pieces[side]][str(seam.label)] >= 1 + both
         assert set(seam.pieces) & assembled or min(seam.pieces) not in assembled
         assembled |= set(seam.pieces)
     for piece in pieces:
@@ -160,14 +162,15 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
 
 
 def check_labels(piece) -> None:
-    """Letters stay on the piece and clear of each other."""
+    """Letters can be read, stay on a face and clear of each other."""
     own = piece.pattern
-    sheet = shapely.union_all(shapely.buffer(polygons_of(own), 1e-6, join_style="mitre"))
+    faces = shapely.buffer(polygons_of(own), 1e-6, join_style="mitre")
     boxes = []
     for label in piece.labels:
         rings = text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
         every = np.concatenate(rings)
-        assert sheet.covers(shapely.multipoints(every))
+        assert label.height_mm >= 1
+        assert (shapely.covers(faces, shapely.multipoints(every))).any(), "crosses a crease"
         boxes.append(shapely.multipoints(every).convex_hull)
     one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
     assert (one == two).all()
@@ -200,9 +203,11 @@ def test_a_slit_is_no_seam_and_an_edge_to_be_cut_joins_nothing():
     ).all(axis=1)
     letter = np.where(middle, "C", pattern.edges_assignment)
     cut = dataclasses.replace(pattern, edges_assignment=letter)
-    made, _ = split(cut, SheetSplit(), (100.0, 100.0))
+    made, (finding,) = split(cut, SheetSplit(), (100.0, 100.0))
     assert [len(piece.faces) for piece in made.pieces] == [2, 2]
     assert made.seams == ()
+    assert "2 pieces without seams" in finding.text
+    assert "Glue" not in finding.text
 
 
 def carried(made: Pieces) -> list[int]:
@@ -463,13 +468,98 @@ def test_runs_and_neighbours_are_evened():
     strip = grid(10, 1, 10.0)
     made, _ = split(strip, SheetSplit(margin_mm=0, tabs=False), (60.0, 12.0))
     assert [len(piece.faces) for piece in made.pieces] == [5, 5]
-    ends = strip.vertices_coords[strip.edges_vertices]
-    inner = strip.edges_faces[:, 1] >= 0
     for width, expected in ((60.0, [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]), (40.0, [])):
-        sheet = Sheet(strip, inner, np.stack([ends, ends], axis=1), ~inner & False, (width, 12.0))
         uneven = [np.arange(2), np.arange(2, 10)]
-        evened = partition._evened(partition._Faces(sheet), uneven)
+        evened = partition._evened(faces_of(strip, (width, 12.0)), uneven)
         assert [piece.tolist() for piece in evened] == (expected or [s.tolist() for s in uneven])
+
+
+def faces_of(pattern: CreasePattern, room_mm: tuple[float, float]) -> partition._Faces:
+    """Faces of a sheet whose pieces get no tabs."""
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    inner = pattern.edges_faces[:, 1] >= 0
+    reach = np.stack([ends, ends], axis=1)
+    return partition._Faces(Sheet(pattern, inner, reach, ~inner & False, room_mm))
+
+
+def test_single_faces_are_joined_until_no_two_neighbours_fit_together():
+    pattern = grid(9, 7, 20.0, holes=[(4, 3), (5, 3)], triangles=True)
+    faces = faces_of(pattern, (70.0, 50.0))
+    pieces = partition._merged(faces, list(np.arange(faces.count)[:, None]))
+    every = np.sort(np.concatenate(pieces))
+    assert (every == np.arange(faces.count)).all()
+    assert all(faces.valid(p) and len(faces.components(p)) == 1 for p in pieces)
+    pairs = partition._beside(faces, partition._owners(faces, pieces))
+    assert len(pairs) > len(pieces) > 12
+    assert not any(faces.valid(np.concatenate([pieces[i], pieces[j]])) for i, j in pairs)
+
+
+@given(st.integers(1, 300), st.integers(1, 300), st.integers(1, 300))
+def test_the_longest_run_that_fits_is_found_at_a_cost_that_goes_with_its_length(count, most, guess):
+    seen = []
+
+    def fits(run):
+        seen.append(len(run))
+        return len(run) <= most
+
+    assert partition._longest(np.arange(count), guess, fits) == min(count, most)
+    assert max(seen) <= max(guess, 2 * min(count, most))
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=20)
+def test_what_is_found_of_a_set_from_its_faces_alone_holds_in_the_whole_sheet(seed):
+    """Parts and outline of a random set, against those from all edges of the sheet."""
+    random = np.random.default_rng(seed)
+    pattern = grid(6, 5, 20.0, triangles=True)
+    faces = faces_of(pattern, (70.0, 50.0))
+    kept = random.permutation(faces.count)[: random.integers(1, faces.count)]
+    inside = np.append(np.isin(np.arange(faces.count), kept), False)[pattern.edges_faces]
+    edges, side = partition._outline(faces.sheet, kept)
+    assert sorted(edges.tolist()) == np.flatnonzero(inside[:, 0] != inside[:, 1]).tolist()
+    assert inside[edges, side].all()
+    apart = pattern.edges_faces[inside.all(axis=1)]
+    parts = faces.components(kept)
+    of = {face: number for number, part in enumerate(parts) for face in part.tolist()}
+    assert sorted(of) == sorted(kept.tolist())
+    assert all(of[one] == of[two] for one, two in apart.tolist())
+    joins = Counter(of[one] for one, _ in apart.tolist())
+    assert all(joins[number] >= len(part) - 1 for number, part in enumerate(parts))
+    ends = pattern.vertices_coords[pattern.edges_vertices[edges]].reshape(-1, 2)
+    hulls = [shapely.MultiPoint(points).convex_hull for points in (ends, extent(faces.sheet, kept))]
+    assert hulls[0].equals(hulls[1])
+
+
+def test_names_stand_where_they_cross_no_crease_and_as_high_as_there_is_room():
+    """Of two squares joined by a strip, the one without seams; a long face turns its name."""
+    coords = [[0, 0], [30, 0], [30, 30], [0, 30], [35, 0], [35, 30], [65, 0], [65, 30]]
+    pattern = flat_pattern(coords, [(0, 1, 2, 3), (1, 4, 5, 2), (4, 6, 7, 5)])
+    made, _ = split(pattern, SheetSplit(), (200.0, 200.0))
+    (name,) = made.pieces[0].labels
+    assert (name.text, name.height_mm, name.angle_deg) == ("A", 8.0, 0.0)
+    assert name.at[0] == pytest.approx(15, abs=1)
+    assert abs(name.at[1] - 32.5) == pytest.approx(17.5, abs=1)
+    slope = flat_pattern([[0, 0], [60, 60], [57, 63], [-3, 3]], [(0, 1, 2, 3)])
+    room = polygons_of(slope)[0]
+    level, along = (
+        highest("ABC", np.array([28.5, 31.5]), angle, room) for angle in (0.0, np.pi / 4)
+    )
+    assert along == pytest.approx(3 * np.sqrt(2) / 1.2)
+    assert along > 2 * level
+
+
+@given(st.integers(0, 10**6), st.floats(0, 7))
+def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
+    random = np.random.default_rng(seed)
+    angle = np.sort(random.uniform(0, 2 * np.pi, 9))
+    assume(np.diff([*angle, angle[0] + 2 * np.pi]).max() < 3)
+    radius = random.uniform(5, 20, 9)
+    room = shapely.Polygon(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]))
+    height = highest("B7", np.zeros(2), slant, room)
+    for share, inside in ((1 - 1e-9, True), (1 + 1e-6, False)):
+        half = share * height * np.array([(text_width("B7") + 0.4) / 2, 0.6])
+        box = shapely.affinity.rotate(shapely.box(*-half, *half), slant, (0, 0), use_radians=True)
+        assert room.covers(box) == inside
 
 
 def test_names_run_on_after_z():
@@ -492,13 +582,22 @@ def test_seams_without_room_for_a_tab_are_named():
     made, findings = split(grid(4, 1, 1.2), SheetSplit(margin_mm=0, tab_mm=1), (3.5, 3.5))
     (finding,) = [f for f in findings if f.code == "tab-no-room"]
     assert set(finding.creases) == {seam.edges[0] for seam in made.seams}
-    assert "label-too-small" in [f.code for f in findings]
+    (finding,) = [f for f in findings if f.code == "label-too-small"]
+    assert "4 labels are left out" in finding.text
+    assert "letters of 1 mm" in finding.text
+    assert all(piece.labels == () for piece in made.pieces)
+    assert made.pieces[0].unwritten == ("A", "1")
 
 
 @pytest.mark.parametrize(
     ("bed", "name"),
     [
-        ((50.0, 49.0), "size of face 1 with its tabs = 46 x 38 mm .* fit 40 x 39 mm"),
+        (
+            (50.0, 49.0),
+            "size of face 1 with its tabs = 46 x 38 mm .* fit 39 x 38 mm, the bed of 50 x 49 mm "
+            r"less 5.5 mm on each side \(margin 5 mm, mitres of the cut 0.5 mm\)",
+        ),
+        ((11.0, 100.0), r"bed width = 11 mm .* 2 x 5.5 mm, what is kept free \(margin 5 mm, "),
         ((10.0, 100.0), "bed width = 10 mm"),
         ((100.0, -1.0), "bed height"),
         ((np.nan, 100.0), "bed width"),
@@ -506,7 +605,7 @@ def test_seams_without_room_for_a_tab_are_named():
 )
 def test_beds_that_are_too_small_are_refused(bed, name):
     with pytest.raises(InvalidValue, match=name):
-        split(grid(4, 4, 30.0), SheetSplit(), bed)
+        split(grid(4, 4, 30.0), SheetSplit(mitre_mm=0.5), bed)
 
 
 def test_faces_that_cannot_be_cut_out_are_refused():

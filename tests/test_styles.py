@@ -19,6 +19,7 @@ from fab.styles import (
     NoStyle,
     ScoreStyle,
     cuts_along,
+    unscaled_length,
 )
 from solver import InvalidValue
 
@@ -233,3 +234,22 @@ JOB = {"name": "sheet", "design": {"kind": "miura"}, "sheet": {"width_mm": 60.0}
 def test_bad_tables_of_a_job_are_refused_by_their_key(table, match):
     with pytest.raises(InvalidJob, match=match):
         parse_job({**JOB, "perforation": table})
+
+
+@pytest.mark.parametrize(
+    ("style", "period", "first"),
+    [
+        (DashStyle(cut_mm=3.0, gap_mm=1.0), 4.0, 3.0),
+        (DotStyle(dot_mm=0.4, pitch_mm=1.5), 1.5, 0.4),
+        (DashDotStyle(cut_mm=3.0, dot_mm=0.5, gap_mm=1.0), 5.5, 3.0),
+        (LatticeStyle(cut_mm=6.0, gap_mm=2.0, rows=3, pitch_mm=1.0), 8.0, 6.0),
+    ],
+)
+@pytest.mark.parametrize("near_mm", [0.1, 20.0, 33.3])
+def test_rooms_of_whole_periods_leave_cuts_as_long_as_asked_for(style, period, first, near_mm):
+    room = unscaled_length(style, near_mm)
+    assert (room - first) / period == pytest.approx(max(2, round((near_mm - first) / period)))
+    cuts = cuts_along(np.array([[[0.0, 0.0], [room, 0.0]]]), style, 0.0).segments
+    lengths = np.ptp(cuts[..., 0], axis=1)
+    assert lengths.max() == pytest.approx(first, abs=1e-12)
+    assert unscaled_length(ScoreStyle(), near_mm) == near_mm

@@ -6,19 +6,25 @@ import shapely
 from flat_patterns import triangles
 
 from fab.dxf import dxf_bytes
-from fab.paths import Operation
+from fab.paths import CutPaths, Operation, joined
 from fab.perforation import PerforationSettings, perforate
 from fab.relief import ReliefSettings
-from fab.two_sided import Axis, two_sided
+from fab.two_sided import Axis, Registration, how_to_turn, two_sided
 from solver import InvalidValue
 
+MARGIN = 7.0
+REGISTRATION = {axis: Registration(Axis(axis)) for axis in "xy"}
 BORDER = 4.0 + 2 * 3.0
 
 
 @pytest.fixture(scope="module")
 def paths():
+    """A sheet, wider than high, that is free in its margin and border."""
     settings = PerforationSettings(relief=ReliefSettings(web_mm=1.0))
-    return perforate(triangles(2), settings)[0]
+    tight = perforate(triangles(2), settings)[0]
+    layers = [layer.moved(np.eye(2), np.full(2, MARGIN + BORDER)) for layer in tight.layers]
+    size = np.array(tight.size_mm) + 2 * (MARGIN + BORDER) + np.array([30.0, 0.0])
+    return CutPaths(joined(layers), tuple(size.tolist()))
 
 
 def turned(points, axis, size):
@@ -40,32 +46,44 @@ def by_operation(paths):
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_the_back_turned_over_completes_the_front(paths, axis):
-    front, back = two_sided(paths, Axis(axis))
-    assert front.size_mm == back.size_mm == pytest.approx(np.array(paths.size_mm) + 2 * BORDER)
+    front, back = two_sided(paths, REGISTRATION[axis], MARGIN)
+    assert front.size_mm == back.size_mm == paths.size_mm
     before, f, b = by_operation(paths), by_operation(front), by_operation(back)
-    assert set(b) == {Operation.ENGRAVE, Operation.VALLEY}
-    assert Operation.VALLEY not in f
-    again = turned(b[Operation.VALLEY].segments, axis, back.size_mm)
-    assert again == pytest.approx(before[Operation.VALLEY].segments + BORDER, abs=1e-9)
-    assert f[Operation.MOUNTAIN].segments == pytest.approx(
-        before[Operation.MOUNTAIN].segments + BORDER
-    )
-    assert lines(f[Operation.CUT]).equals_exact(
-        shapely.transform(lines(before[Operation.CUT]), lambda p: p + BORDER), 1e-9, normalize=True
-    )
+    assert set(f) == {Operation.ENGRAVE, Operation.MOUNTAIN, Operation.RELIEF}
+    assert set(b) == {Operation.ENGRAVE, Operation.VALLEY, Operation.CUT}
+    assert (f[Operation.MOUNTAIN].segments == before[Operation.MOUNTAIN].segments).all()
+    for operation in (Operation.VALLEY, Operation.CUT):
+        again = turned(b[operation].segments, axis, back.size_mm)
+        assert again == pytest.approx(before[operation].segments, abs=1e-9)
+        rings = zip(b[operation].outlines, before[operation].outlines, strict=True)
+        assert all(
+            turned(ring, axis, back.size_mm) == pytest.approx(old, abs=1e-9) for ring, old in rings
+        )
     # the wrong turn does not complete it
     other = turned(b[Operation.VALLEY].segments, "y" if axis == "x" else "x", back.size_mm)
-    assert np.abs(other - before[Operation.VALLEY].segments - BORDER).max() > 1.0
+    assert np.abs(other - before[Operation.VALLEY].segments).max() > 1.0
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_no_line_is_made_twice(paths, axis):
+    front, back = two_sided(paths, REGISTRATION[axis], MARGIN)
+    over = np.array(back.size_mm)
+    every = [lines(layer) for layer in front.layers]
+    every += [shapely.transform(lines(la), lambda p: turned(p, axis, over)) for la in back.layers]
+    total = sum(shape.length for shape in every)
+    assert shapely.union_all(every, grid_size=1e-6).length == pytest.approx(total, abs=1e-3)
+    made = sum(lines(layer).length for layer in paths.layers)
+    added = 4 * np.pi * 4.0 + 4 * 2 * 2.0 + 2 * BORDER / 2
+    assert total == pytest.approx(made + added, abs=0.1)
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_holes_and_axis_meet_their_mirror_image_and_no_other(paths, axis):
-    front, back = two_sided(paths, axis)
-    rings = by_operation(back)[Operation.ENGRAVE].outlines
-    assert len(rings) == 4
-    holes = [shapely.Polygon(ring) for ring in rings]
-    of_front = [shapely.Polygon(r) for r in by_operation(front)[Operation.RELIEF].outlines[-4:]]
-    assert all(a.equals(b) for a, b in zip(holes, of_front, strict=True))
+    front, back = two_sided(paths, REGISTRATION[axis], MARGIN, kerf_mm=0.2)
+    holes = [shapely.Polygon(r) for r in by_operation(front)[Operation.RELIEF].outlines[-4:]]
+    assert [np.ptp(shapely.get_coordinates(hole), axis=0) for hole in holes] == pytest.approx(
+        np.full((4, 2), 3.8), abs=0.01
+    )
     every = shapely.union_all(holes)
     size = np.array(front.size_mm)
     over = shapely.transform(every, lambda p: turned(p, axis, size))
@@ -74,30 +92,61 @@ def test_holes_and_axis_meet_their_mirror_image_and_no_other(paths, axis):
     assert wrong.symmetric_difference(every).area > 1.0
     around = shapely.transform(every, lambda p: size - p)
     assert around.symmetric_difference(every).area > 1.0
-    # outside the outline, inside the sheet
-    inner = shapely.box(BORDER, BORDER, *(size - BORDER))
-    assert every.distance(inner) == pytest.approx(3.0, abs=0.005)
-    assert shapely.box(3 - 1e-9, 3 - 1e-9, *(size - 3 + 1e-9)).contains(every)
+    # crosses of the back lie in the holes, which lie there again
+    crosses = shapely.linestrings(by_operation(back)[Operation.ENGRAVE].segments)
+    assert all(hole.buffer(-0.8).contains(crosses).sum() == 2 for hole in holes)
+    middles = {(h.centroid.x, h.centroid.y) for h in holes}
+    found = {(c.centroid.x, c.centroid.y) for c in crosses}
+    assert sorted(found) == pytest.approx(np.array(sorted(middles)))
+    # between the margin and the paths
+    inner = shapely.box(MARGIN + BORDER, MARGIN + BORDER, *(size - MARGIN - BORDER))
+    assert every.distance(inner) == pytest.approx(3.1, abs=0.005)
     marks = by_operation(front)[Operation.ENGRAVE].segments[-2:]
-    assert marks == pytest.approx(by_operation(back)[Operation.ENGRAVE].segments)
     assert marks == pytest.approx(turned(marks, axis, size))
+    assert shapely.box(MARGIN, MARGIN, *(size - MARGIN)).contains(
+        shapely.union_all([every.buffer(2.9), *shapely.linestrings(marks)])
+    )
     assert shapely.distance(shapely.linestrings(marks), inner).min() > 1.0
     assert shapely.distance(shapely.linestrings(marks), every).min() > 1.0
 
 
-def test_everything_lies_within_the_sheet(paths):
-    for side in two_sided(paths):
-        for layer in side.layers:
-            points = np.concatenate([layer.segments.reshape(-1, 2), *layer.outlines])
-            assert points.min() > 0
-            assert (points < side.size_mm).all()
-        assert dxf_bytes(side)
+def test_sheets_are_turned_about_their_longer_side_if_nothing_is_said(paths):
+    width, height = paths.size_mm
+    assert width > height
+    assert Registration().axis_of((width, height)) is Axis.X
+    assert Registration().axis_of((height, width)) is Axis.Y
+    assert Registration(Axis.Y).axis_of((width, height)) is Axis.Y
+    for one, two in zip(
+        two_sided(paths, Registration(), MARGIN),
+        two_sided(paths, REGISTRATION["x"], MARGIN),
+        strict=True,
+    ):
+        assert dxf_bytes(one) == dxf_bytes(two)
+    assert "upper edge becomes the lower" in how_to_turn("a", Registration(), (width, height))
+    assert "left edge becomes the right" in how_to_turn("a", Registration(), (height, width))
 
 
 def test_bad_settings_are_refused(paths):
     with pytest.raises(InvalidValue, match="axis = 'z'"):
-        two_sided(paths, "z")
+        Registration("z")
     with pytest.raises(InvalidValue, match="hole_mm"):
-        two_sided(paths, hole_mm=0.0)
+        Registration(hole_mm=0.0)
     with pytest.raises(InvalidValue, match="clearance_mm"):
-        two_sided(paths, clearance_mm=-1.0)
+        Registration(clearance_mm=-1.0)
+    with pytest.raises(InvalidValue, match="margin_mm = -1"):
+        two_sided(paths, Registration(), -1.0)
+    for kerf_mm in (-0.1, 4.0, np.nan):
+        with pytest.raises(InvalidValue, match="kerf_mm"):
+            two_sided(paths, Registration(), MARGIN, kerf_mm)
+
+
+def test_paths_in_the_border_and_sheets_of_nothing_else_are_refused(paths):
+    with pytest.raises(InvalidValue, match=r"edges = 17 mm .* at least 18 mm"):
+        two_sided(paths, Registration(), MARGIN + 1.0)
+    with pytest.raises(InvalidValue, match=r"40 x 39 mm .* at least 40 mm"):
+        two_sided(CutPaths((), (40.0, 39.0)), Registration())
+    front, back = two_sided(CutPaths((), (40.0, 40.0)), Registration())
+    for side in (front, back):
+        points = np.concatenate([lines(layer).bounds for layer in side.layers])
+        assert points.min() > 0
+        assert points.max() < 40
