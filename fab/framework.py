@@ -35,14 +35,16 @@ class Stiffness:
     """Stiffness of bars and hinges, as multiples of each other; all at least 0.
 
     axial : of bars, per length.
-    crease : of creases of the pattern, per length of crease and radian. At 0.5 a quad resists the
-        folding of its sides about as much as their stretching.
+    crease : of creases of the pattern, per length of crease and radian.
     facet : of facet creases, which keep faces flat, and of joined edges (assignment J).
+
+    The defaults are those of Ghassaei, Demaine and Gershenfeld (2018). With much stiffer creases
+    thin triangles collapse on the way; with much softer ones the fold settles slowly.
     """
 
-    axial: float = 1.0
-    crease: float = 0.5
-    facet: float = 0.5
+    axial: float = 20.0
+    crease: float = 0.7
+    facet: float = 0.7
 
     def __post_init__(self) -> None:
         require_positive("axial", self.axial, "Bars hold the sheet together.")
