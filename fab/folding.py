@@ -2,8 +2,8 @@
 
 Quasi-static: the target angles are ramped, and at each load the framework comes to rest. Each step
 is predicted by turning all hinges (`fab.rotations`), so that long chains may turn far at once, and
-corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy. At
-the full load the energy of angles that close is zero, so that the last steps converge quadratically.
+corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy.
+Angles that close store none at the full load, so that the last steps converge quadratically.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from fab.rotations import Turner, turner
 from solver.errors import InvalidValue, require_count
 from solver.vectors import FloatArray
 
-__all__ = ["FoldSettings", "FoldState", "FoldStatus", "Folding", "fold"]
+__all__ = ["FoldSettings", "FoldState", "FoldStatus", "Folding", "aligned", "fold"]
 
 # Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
@@ -128,7 +128,7 @@ def fold(
         last = step == settings.steps
         most = settings.last_iterations if last else settings.iterations
         coords, iterations, settled = _rest(frame, coords, target, most, last)
-        coords = _aligned(coords, state.coords)
+        coords = aligned(coords, state.coords)
         state = _state(frame, load, coords, target, iterations, settled)
         states.append(state)
         angles = frame.angles_near(coords, target)
@@ -209,7 +209,7 @@ def _state(
     )
 
 
-def _aligned(coords: FloatArray, onto: FloatArray) -> FloatArray:
+def aligned(coords: FloatArray, onto: FloatArray) -> FloatArray:
     """Moved rigidly, to lie as near as possible to the state before."""
     middle, place = coords.mean(axis=0), onto.mean(axis=0)
     left, _, right = np.linalg.svd((coords - middle).T @ (onto - place))

@@ -22,12 +22,21 @@ from scipy.sparse.csgraph import connected_components
 
 from fab.bodies import cap_triangles
 from fab.crease import CreasePattern
+from fab.opened import Opened, edges_between, opened
 from fab.polygons import by_size
 from solver.errors import InvalidValue, require_finite, require_positive
 from solver.mesh import edges_of
-from solver.vectors import FloatArray, IntArray, cross, dot, norm
+from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
 
-__all__ = ["Energy", "Framework", "Stiffness", "framework", "hinge_angles", "wrapped"]
+__all__ = [
+    "Energy",
+    "Framework",
+    "Stiffness",
+    "framework",
+    "hinge_angles",
+    "hinge_forces",
+    "wrapped",
+]
 
 
 @dataclass(frozen=True)
@@ -74,23 +83,23 @@ class Framework:
 
     Attributes
     ----------
+    sheet : the pattern with its cuts open; vertices, faces and edges are numbered as in it.
     size_mm : diagonal of the flat sheet.
     vertices_coords : shape (nv, 3), the flat sheet, z = 0.
-    vertices_source : shape (nv,), vertex of the pattern; one that lies on a cut occurs repeatedly.
     triangles_vertices, triangles_face : shapes (nt, 3) and (nt,); counterclockwise when flat.
     bars_vertices, bars_length, bars_stiffness : shapes (nb, 2), (nb,) and (nb,), k_axial / l0.
     hinges_vertices : shape (nh, 4): two ends, in the direction of the first triangle, and the
         corners of the first and of the second triangle off the hinge.
     hinges_triangles : shape (nh, 2).
-    hinges_edge : shape (nh,), edge of the pattern; -1 for facet creases.
+    hinges_edge : shape (nh,), edge of the sheet; -1 for facet creases.
     hinges_length, hinges_stiffness : shape (nh,), the latter k_hinge l0.
-    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases. Unassigned
-        creases have no stiffness, so that theirs say nothing.
+    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and for
+        unassigned ones, which have no stiffness.
     """
 
+    sheet: Opened
     size_mm: float
     vertices_coords: FloatArray
-    vertices_source: IntArray
     triangles_vertices: IntArray
     triangles_face: IntArray
     bars_vertices: IntArray
@@ -161,14 +170,11 @@ class Framework:
             ]
         )
         count = 3 * len(self.vertices_coords)
-        out = np.bincount(self._assembly.places, forces, count)
-        return out.reshape(-1, 3)
+        return np.asarray(np.bincount(self._assembly.places, forces, count).reshape(-1, 3))
 
     @cached_property
     def _assembly(self) -> _Assembly:
-        return _Assembly.of(
-            len(self.vertices_coords), [self.bars_vertices, self.hinges_vertices]
-        )
+        return _Assembly.of(len(self.vertices_coords), [self.bars_vertices, self.hinges_vertices])
 
     @cached_property
     def component(self) -> IntArray:
@@ -192,55 +198,47 @@ class _Assembly:
     def of(count: int, members: list[IntArray]) -> _Assembly:
         size = 3 * count
         numbers = [(3 * m[:, :, None] + np.arange(3)).reshape(len(m), -1) for m in members]
-        keys = np.concatenate(
-            [(n[:, None, :] * size + n[:, :, None]).ravel() for n in numbers]
-        )
+        keys = np.concatenate([(n[:, None, :] * size + n[:, :, None]).ravel() for n in numbers])
         unique, slots = np.unique(keys, return_inverse=True)
         bounds = np.searchsorted(unique // size, np.arange(size + 1))
-        return _Assembly(
-            np.concatenate([n.ravel() for n in numbers]), slots, unique % size, bounds
-        )
+        return _Assembly(np.concatenate([n.ravel() for n in numbers]), slots, unique % size, bounds)
 
     def matrix(self, blocks: list[FloatArray]) -> csc_array:
-        data = np.bincount(
-            self.slots, np.concatenate([b.ravel() for b in blocks]), len(self.rows)
-        )
+        data = np.bincount(self.slots, np.concatenate([b.ravel() for b in blocks]), len(self.rows))
         size = len(self.bounds) - 1
         return csc_array((data, self.rows, self.bounds), shape=(size, size))
 
 
 def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Framework:
-    """Bars and hinges of any pattern: triangles, n-gons, several pieces, cuts.
+    """Bars and hinges of any pattern: triangles, n-gons, several pieces, cuts (which are opened).
 
-    Cuts (assignment C between two faces) are opened. Raises `InvalidValue` for a sheet without
-    extent, and for a triangle without area.
+    Raises `InvalidValue` for a sheet without extent, and for a triangle without area.
     """
     stiffness = stiffness or Stiffness()
-    corners, source = _cut_open(pattern)
-    flat = pattern.vertices_coords[source]
+    sheet = opened(pattern)
+    flat = sheet.pattern.vertices_coords
     size = float(np.hypot(*np.ptp(flat, axis=0)))
     if not size > 0:
         raise InvalidValue("pattern", "without extent", "have faces with area", "Give a sheet.")
     coords = np.column_stack([flat, np.zeros(len(flat))]) / size
-    triangles, face = _triangles(coords, corners, pattern.faces_offsets)
+    corners, offsets = sheet.pattern.faces_vertices, sheet.pattern.faces_offsets
+    triangles, face = _triangles(coords, corners, offsets)
     edges = edges_of(triangles.ravel(), 3 * np.arange(len(triangles) + 1))
     length = norm(_sides(coords, edges.edges_vertices))
     shared = edges.edges_faces[:, 1] >= 0
     ends, beside = edges.edges_vertices[shared], edges.edges_faces[shared]
     across = triangles[beside].sum(axis=2) - ends.sum(axis=1)[:, None]
-    known = _edge_numbers(pattern, source[ends])
-    known[face[beside[:, 0]] == face[beside[:, 1]]] = -1
-    letter = np.where(known < 0, "J", pattern.edges_assignment[known])
-    kind = np.select(
-        [letter == "U", letter == "J"], [0.0, stiffness.facet], stiffness.crease
-    )
-    target = np.where(
-        np.isin(letter, ["M", "V"]), np.radians(pattern.edges_foldAngle[known]), 0.0
-    )
+    crease = np.full(len(ends), -1)
+    between = face[beside[:, 0]] != face[beside[:, 1]]
+    crease[between] = edges_between(sheet.pattern, ends[between])
+    letter = np.where(crease < 0, "J", sheet.pattern.edges_assignment[crease])
+    kind = np.select([letter == "U", letter == "J"], [0.0, stiffness.facet], stiffness.crease)
+    folds = np.isin(letter, ["M", "V"])
+    target = np.where(folds, np.radians(sheet.pattern.edges_foldAngle[crease]), 0.0)
     return Framework(
+        sheet,
         size,
         coords,
-        source,
         triangles,
         face,
         edges.edges_vertices,
@@ -248,11 +246,18 @@ def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Fra
         stiffness.axial / length,
         np.concatenate([ends, across], axis=1),
         beside,
-        known,
+        crease,
         length[shared],
         kind * length[shared],
         target,
     )
+
+
+def hinge_forces(frame: Framework, coords: FloatArray, target: FloatArray) -> FloatArray:
+    """Forces of the hinges alone on the vertices, shape (nv, 3)."""
+    gradient, turn = _hinge_gradients(frame, coords, target)
+    pull = -(frame.hinges_stiffness * turn)[:, None, None] * gradient.reshape(-1, 4, 3)
+    return scattered(frame.hinges_vertices.ravel(), pull.reshape(-1, 3), len(frame.vertices_coords))
 
 
 def hinge_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
@@ -344,7 +349,7 @@ def _second_angle_derivatives(coords: FloatArray, hinges_vertices: IntArray) -> 
     start = second[0][0] + second[1][0]
     end = second[0][1] + second[1][1]
     out = np.concatenate([start, end, *parts], axis=1)
-    return (out + out.swapaxes(1, 2)) / 2
+    return np.asarray((out + out.swapaxes(1, 2)) / 2)
 
 
 def _crossed(v: FloatArray) -> FloatArray:
@@ -353,30 +358,6 @@ def _crossed(v: FloatArray) -> FloatArray:
     out[:, [2, 0, 1], [1, 2, 0]] = v
     out[:, [1, 2, 0], [2, 0, 1]] = -v
     return out
-
-
-def _cut_open(pattern: CreasePattern) -> tuple[IntArray, IntArray]:
-    """Corners of the faces, with vertices on cuts repeated, and the vertex that each one was."""
-    corners, offsets = pattern.faces_vertices, pattern.faces_offsets
-    face = np.repeat(np.arange(pattern.face_count), np.diff(offsets))
-    hinge = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
-    hinge &= pattern.edges_faces[:, 0] != pattern.edges_faces[:, 1]
-    count = len(pattern.vertices_coords)
-    keys = face * count + corners
-    order = np.argsort(keys)
-    pairs = []
-    for end in (0, 1):
-        vertex = pattern.edges_vertices[hinge, end]
-        sides = pattern.edges_faces[hinge].T * count + vertex
-        pairs.append(order[np.searchsorted(keys[order], sides)])
-    one, two = np.concatenate(pairs, axis=1)
-    total = len(corners)
-    graph = coo_array((np.ones(len(one)), (one, two)), shape=(total, total))
-    _, label = connected_components(graph, directed=False)
-    # numbered as in the pattern, so that a sheet without cuts keeps its numbers
-    _, first = np.unique(label, return_index=True)
-    rank = np.argsort(np.argsort(corners[first], kind="stable"), kind="stable")
-    return rank[label], np.sort(corners[first], kind="stable")
 
 
 def _triangles(
@@ -403,15 +384,3 @@ def _triangles(
             "Remove corners that lie on a line, or the face.",
         )
     return vertices, face
-
-
-def _edge_numbers(pattern: CreasePattern, ends: IntArray) -> IntArray:
-    """The pattern's edge between each pair of its vertices; -1 where there is none."""
-    count = len(pattern.vertices_coords)
-    low, high = np.sort(pattern.edges_vertices, axis=1).T
-    keys = low * count + high
-    order = np.argsort(keys)
-    low, high = np.sort(ends, axis=1).T
-    place = np.searchsorted(keys[order], low * count + high).clip(max=len(keys) - 1)
-    found = order[place]
-    return np.where(keys[found] == low * count + high, found, -1)

@@ -23,6 +23,7 @@ __all__ = [
     "norm",
     "numbers",
     "points",
+    "scattered",
     "unit",
 ]
 
@@ -113,3 +114,8 @@ def full_turn(angle: FloatArray) -> FloatArray:
     """Angles brought into [0, 2 pi), radians; rounding never gives 2 pi itself."""
     turned = np.mod(angle, 2 * np.pi)
     return np.where(turned >= 2 * np.pi, 0.0, turned)
+
+
+def scattered(places: IntArray, vectors: FloatArray, count: int) -> FloatArray:
+    """Sums of the vectors, shape (n, k), that go to each of `count` places, shape (count, k)."""
+    return np.stack([np.bincount(places, column, count) for column in vectors.T], axis=1)

@@ -1,0 +1,91 @@
+"""Along which tree is every face reached from the middle of its piece, and what adds up there?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
+
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["FaceTree", "face_tree"]
+
+
+@dataclass(frozen=True)
+class FaceTree:
+    """One tree for each piece of a sheet.
+
+    Attributes
+    ----------
+    roots : the face nearest to the middle of each piece.
+    parent : shape (n,), the face above each; roots are their own.
+    link : shape (n,), the pair of neighbours over which each is reached; -1 at roots.
+    forward : shape (n,), whether the face above is the first of that pair.
+    """
+
+    roots: IntArray
+    parent: IntArray
+    link: IntArray
+    forward: BoolArray
+
+    def poses(self, turns: FloatArray, shifts: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Rotation and shift of every face, by products along the tree, doubling the stride.
+
+        turns, shifts : shapes (pairs, 3, 3) and (pairs, 3), the motion x -> turn x + shift that
+        carries the second face of each pair where the first one stays.
+        """
+        turn = np.broadcast_to(np.eye(3), (len(self.parent), 3, 3)).copy()
+        shift = np.zeros((len(self.parent), 3))
+        below = self.link >= 0
+        own, by = turns[self.link[below]], shifts[self.link[below]]
+        back = own.swapaxes(1, 2)
+        forward = self.forward[below]
+        turn[below] = np.where(forward[:, None, None], own, back)
+        shift[below] = np.where(forward[:, None], by, -_applied(back, by))
+        parent = self.parent
+        while (parent != parent[parent]).any():
+            shift = _applied(turn[parent], shift) + shift[parent]
+            turn = turn[parent] @ turn
+            parent = parent[parent]
+        return turn, shift
+
+
+def face_tree(centres: FloatArray, pairs: IntArray, lengths: FloatArray) -> FaceTree:
+    """Reach every face over the longest sides, which are known best.
+
+    centres : shape (n, 2), middles of the faces; pairs : shape (m, 2), neighbours; lengths : shape
+    (m,), of their common sides. Neighbours that share several sides are joined over the last.
+    """
+    count = len(centres)
+    one, two = pairs.T
+    keys = np.minimum(one, two) * count + np.maximum(one, two)
+    _, last = np.unique(keys[::-1], return_index=True)
+    chosen = len(keys) - 1 - last
+    ends = one[chosen], two[chosen]
+    graph = coo_array((1 / lengths[chosen], ends), shape=(count, count)).tocsr()
+    tree = minimum_spanning_tree(graph)
+    tree = tree + tree.T
+    _, piece = connected_components(tree, directed=False)
+    roots = _middles(centres, piece)
+    parent = np.arange(count)
+    for root in roots.tolist():
+        order, above = breadth_first_order(tree, root, directed=False)
+        parent[order[1:]] = above[order[1:]]
+    number = coo_array((chosen + 1, ends), shape=(count, count)).tocsr()
+    forward = np.asarray(number[parent, np.arange(count)]).ravel()
+    backward = np.asarray(number[np.arange(count), parent]).ravel()
+    return FaceTree(roots, parent, np.maximum(forward, backward) - 1, forward > 0)
+
+
+def _middles(centres: FloatArray, piece: IntArray) -> IntArray:
+    size = np.bincount(piece)
+    mean = np.stack([np.bincount(piece, column) for column in centres.T], axis=1) / size[:, None]
+    order = np.lexsort([np.hypot(*(centres - mean[piece]).T), piece])
+    _, first = np.unique(piece[order], return_index=True)
+    return np.asarray(order[first], np.int64)
+
+
+def _applied(turns: FloatArray, vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.squeeze(turns @ vectors[:, :, None], axis=2))
