@@ -9,15 +9,16 @@ the stiffest bar allows. To compare with; `fab.folding` is the faster way to the
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fab.folding import Folding, flat_state, state_of
 from fab.framework import Framework, hinge_forces
 from solver.errors import InvalidValue, require_count, require_finite
 from solver.vectors import FloatArray, cross, dot, norm, scattered
 
-__all__ = ["DynamicSettings", "Motion", "moved"]
+__all__ = ["DynamicSettings", "Motion", "fold_dynamically", "moved"]
 
 _CHECKED = 100
 
@@ -65,6 +66,35 @@ class Motion:
 
 def _silent(done: int, total: int) -> None:
     del done, total
+
+
+def fold_dynamically(
+    frame: Framework,
+    steps: int = 10,
+    settings: DynamicSettings | None = None,
+    progress: Progress = _silent,
+) -> Folding:
+    """Fold as a user does who moves the slider in equal steps and waits until the sheet rests.
+
+    `settings.steps` hold for each load; iterations are Euler steps. A motion that blows up ends the
+    fold: its last state is the one before.
+    """
+    require_count("steps", steps, 1, "Follow the fold in one step or more.")
+    states = [flat_state(frame)]
+    motion: Motion | None = None
+    for step in range(1, steps + 1):
+        progress(step - 1, steps)
+        target = step / steps * frame.hinges_target
+        motion = moved(frame, target, settings, motion, lambda *_, at=step: progress(at - 1, steps))
+        if not motion.finite:
+            last = states[-1]
+            states[-1] = replace(last, settled=False, iterations=last.iterations + motion.steps)
+            break
+        states.append(
+            state_of(frame, step / steps, motion.coords, target, motion.steps, motion.settled)
+        )
+    progress(steps, steps)
+    return Folding(frame, tuple(states))
 
 
 def moved(

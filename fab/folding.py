@@ -10,22 +10,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
+from pydantic import Field
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from fab.framework import Energy, Framework
+from fab.framework import Energy, Framework, Stiffness
 from fab.rotations import Turner, turner
-from solver.errors import InvalidValue, require_count
+from fab.settings import Settings
+from solver.errors import require_count
 from solver.vectors import FloatArray
 
-__all__ = ["FoldSettings", "FoldState", "FoldStatus", "Folding", "aligned", "fold"]
+__all__ = ["FoldSettings", "FoldState", "Folding", "aligned", "flat_state", "fold", "state_of"]
 
 # Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
 _FIRST_DAMPING = 1e-8
+# Steps at each load, and at the full one.
+_MOST, _MOST_AT_LAST = 150, 400
 # Steps with more damping than this say nothing about how far the energy could still fall.
 _TRUSTED_DAMPING = 1e-6
 # On the way: the next step would lower the energy by less than this share.
@@ -40,33 +43,18 @@ _LENGTHS = (1.0, 0.5, 0.25, 0.125)
 Progress = Callable[[int, int], None]
 
 
-class FoldStatus(StrEnum):
-    """How a fold ended."""
+class FoldSettings(Settings):
+    """How finely a fold is followed, and how stiff the sheet is (`fab.framework`)."""
 
-    FOLDED = "folded"
-    STRAINED = "strained"
-    UNSETTLED = "unsettled"
+    steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
+    axial: float = Field(default=20.0, gt=0, le=1e9, description="stiffness of bars")
+    crease: float = Field(default=0.7, ge=0, le=1e9, description="stiffness of creases")
+    facet: float = Field(default=0.7, ge=0, le=1e9, description="stiffness of faces, bent")
 
-
-@dataclass(frozen=True)
-class FoldSettings:
-    """How finely a fold is followed.
-
-    steps : equal steps of the load, 1 to 10,000.
-    iterations : most Gauss-Newton steps at each load.
-    last_iterations : most of them at the full load.
-    """
-
-    steps: int = 10
-    iterations: int = 150
-    last_iterations: int = 400
-
-    def __post_init__(self) -> None:
-        require_count("steps", self.steps, 1, "Follow the fold in one step or more.")
-        require_count("iterations", self.iterations, 1, "Allow one or more.")
-        require_count("last_iterations", self.last_iterations, 1, "Allow one or more.")
-        if self.steps > 10_000:
-            raise InvalidValue("steps", self.steps, "be at most 10000", "Use fewer steps.")
+    @property
+    def stiffness(self) -> Stiffness:
+        """Of bars and hinges."""
+        return Stiffness(self.axial, self.crease, self.facet)
 
 
 @dataclass(frozen=True)
@@ -108,31 +96,28 @@ def _silent(done: int, total: int) -> None:
     del done, total
 
 
-def fold(
-    frame: Framework, settings: FoldSettings | None = None, progress: Progress = _silent
-) -> Folding:
-    """Fold a framework from flat to its targets.
+def fold(frame: Framework, steps: int = 10, progress: Progress = _silent) -> Folding:
+    """Fold a framework from flat to its targets, the load in equal steps.
 
     progress : called with (loads done, loads in all); an exception that it raises ends the fold.
     """
-    settings = settings or FoldSettings()
+    require_count("steps", steps, 1, "Follow the fold in one step or more.")
     turning = turner(frame)
-    state = _state(frame, 0.0, frame.vertices_coords, np.zeros_like(frame.hinges_target), 0, True)
+    state = flat_state(frame)
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
-    for step in range(1, settings.steps + 1):
-        progress(step - 1, settings.steps)
-        load = step / settings.steps
+    for step in range(1, steps + 1):
+        progress(step - 1, steps)
+        load = step / steps
         target = load * frame.hinges_target
-        coords = _predicted(frame, turning, state.coords, angles, target, settings.steps)
-        last = step == settings.steps
-        most = settings.last_iterations if last else settings.iterations
-        coords, iterations, settled = _rest(frame, coords, target, most, last)
+        coords = _predicted(frame, turning, state.coords, angles, target, steps)
+        last = step == steps
+        coords, iterations, settled = _rest(frame, coords, target, last)
         coords = aligned(coords, state.coords)
-        state = _state(frame, load, coords, target, iterations, settled)
+        state = state_of(frame, load, coords, target, iterations, settled)
         states.append(state)
         angles = frame.angles_near(coords, target)
-    progress(settings.steps, settings.steps)
+    progress(steps, steps)
     return Folding(frame, tuple(states))
 
 
@@ -152,9 +137,10 @@ def _predicted(
 
 
 def _rest(
-    frame: Framework, coords: FloatArray, target: FloatArray, most: int, last: bool
+    frame: Framework, coords: FloatArray, target: FloatArray, last: bool
 ) -> tuple[FloatArray, int, bool]:
     """Coordinates of least energy near to `coords`; steps taken; whether the energy settled."""
+    most = _MOST_AT_LAST if last else _MOST
     energy = frame.energy(coords, target).total
     damping = _FIRST_DAMPING
     for solved in range(1, most + 1):
@@ -189,7 +175,12 @@ def _damped(matrix: csc_array, damping: float) -> SuperLU:
     )
 
 
-def _state(
+def flat_state(frame: Framework) -> FoldState:
+    """The flat sheet, without load."""
+    return state_of(frame, 0.0, frame.vertices_coords, np.zeros_like(frame.hinges_target), 0, True)
+
+
+def state_of(
     frame: Framework,
     load: float,
     coords: FloatArray,
@@ -197,6 +188,7 @@ def _state(
     iterations: int,
     settled: bool,
 ) -> FoldState:
+    """A state with its energy and strains."""
     strain = np.abs(frame.strains(coords))
     return FoldState(
         load,

@@ -30,7 +30,7 @@ class Kinematics:
     folded_coords : shape (nv, 3), mm: means over the faces around a vertex. The face in the middle
         of each piece lies as in the flat sheet.
     vertices_closure_rad : shape (nv,), by how much the turns around each interior vertex miss the
-        identity; NaN at the border.
+        identity; NaN at the border, and at unassigned creases, which may turn as they like.
     gap_mm : largest distance of a vertex from the places that its faces give to it. Angles may
         close around every vertex and still not around a hole.
     """
@@ -84,7 +84,7 @@ def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
     angle = np.radians(pattern.edges_foldAngle[sides])
     axis = flat[corners[before]] - flat[corners]
     border = np.zeros(count, bool)
-    border[corners[beyond < 0]] = True
+    border[corners[(beyond < 0) | (pattern.edges_assignment[sides] == "U")]] = True
     _, start = np.unique(corners, return_index=True)
     start = start[~border[corners[start]]]
     product = np.broadcast_to(np.eye(3), (len(start), 3, 3)).copy()

@@ -64,6 +64,7 @@ class Verdict:
         by over 0.01 degrees, worst first; angle_error_max_deg : the largest.
     closure_max_rad : by how much the turns around a vertex miss the identity at most;
         open_vertices : where they do not close, worst first.
+    unassigned : number of creases that nothing drives.
     peak_strain, peak_strain_load : the largest strain on the way, and where.
     path : all states, the flat one first.
     """
@@ -78,6 +79,7 @@ class Verdict:
     angle_error_max_deg: float
     closure_max_rad: float
     open_vertices: tuple[int, ...]
+    unassigned: int
     peak_strain: float
     peak_strain_load: float
     iterations: int
@@ -128,6 +130,7 @@ def judge(folding: Folding) -> Verdict:
         worst,
         kinematics.closure_max_rad,
         _numbers(sheet.vertices_source[bad]),
+        int((sheet.pattern.edges_assignment == "U").sum()),
         peak.strain_max,
         peak.load,
         folding.iterations,
@@ -159,11 +162,12 @@ def findings_of(verdict: Verdict) -> list[Finding]:
         if verdict.rmsd_rel is not None:
             text += f", shape off by {verdict.rmsd_rel:.2e} of the diagonal"
         text += ". " if last.settled else "; it did not come to rest. "
-        text += (
-            "Its angles do not close: see open_vertices."
-            if verdict.open_vertices
-            else "Its angles close, so that another way there may exist: take more steps."
-        )
+        if verdict.open_vertices:
+            text += "Its angles do not close: see open_vertices."
+        elif verdict.unassigned:
+            text += f"{verdict.unassigned} creases are unassigned: give them M or V and an angle."
+        else:
+            text += "Its angles close, so that another way there may exist: take more steps."
         out.append(
             Finding("target-not-reached", Severity.ERROR, text, verdict.off_creases[:_NAMED])
         )

@@ -1,0 +1,116 @@
+"""Which files tell that a crease pattern folds: states, pictures, and the verdict?"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import Any
+
+from fab.crease import CreasePattern
+from fab.dynamics import fold_dynamically
+from fab.errors import Finding
+from fab.fold_file import fold_bytes
+from fab.folding import Folding, FoldSettings, fold
+from fab.framework import framework
+from fab.inspection import inspect_angles
+from fab.make import Made, Progress
+from fab.verdict import Verdict, findings_of, judge
+
+__all__ = ["SimulationFormat", "Solver", "simulate", "simulated"]
+
+
+class SimulationFormat(StrEnum):
+    """The kinds of files of a simulation, named by their endings."""
+
+    FOLD = "fold"
+    PNG = "png"
+    GIF = "gif"
+
+
+class Solver(StrEnum):
+    """How the sheet is folded: from rest to rest, or by masses that move."""
+
+    QUASI_STATIC = "quasi-static"
+    DYNAMIC = "dynamic"
+
+
+def simulated(
+    pattern: CreasePattern,
+    settings: FoldSettings,
+    solver: Solver = Solver.QUASI_STATIC,
+    progress: Progress | None = None,
+) -> tuple[Folding, Verdict, list[Finding]]:
+    """Fold a pattern and judge it. Raises `InvalidValue` where it has no area."""
+    tell = progress if progress is not None else lambda *_: None
+    frame = framework(pattern, settings.stiffness)
+
+    def step(done: int, total: int) -> None:
+        tell("fold", done, total)
+
+    if solver is Solver.DYNAMIC:
+        folding = fold_dynamically(frame, settings.steps, progress=step)
+    else:
+        folding = fold(frame, settings.steps, step)
+    tell("judge", 0, 1)
+    verdict = judge(folding)
+    tell("judge", 1, 1)
+    return folding, verdict, findings_of(verdict)
+
+
+def simulate(
+    pattern: CreasePattern,
+    name: str,
+    settings: FoldSettings | None = None,
+    *,
+    solver: Solver = Solver.QUASI_STATIC,
+    formats: Sequence[SimulationFormat] = tuple(SimulationFormat),
+    findings: Sequence[Finding] = (),
+    progress: Progress | None = None,
+) -> Made:
+    """Files of a simulation, all in memory: NAME_folding.fold, .png, .gif and .json.
+
+    pattern : in millimetres; findings : of its reader, told again in the report.
+    progress : called with (stage, steps done, steps in the stage).
+
+    The FOLD file has the sheet with its cuts open, its folded form, and a frame for each state. The
+    report holds the verdict.
+    """
+    settings = settings or FoldSettings()
+    tell = progress if progress is not None else lambda *_: None
+    folding, verdict, told = simulated(pattern, settings, solver, progress)
+    files: dict[str, bytes] = {}
+    stem = f"{name}_folding"
+    sheet = folding.frame.sheet.pattern
+    if SimulationFormat.FOLD in formats:
+        tell("write", 0, 1)
+        states = [
+            (f"{state.load:.2%} of the fold angles", state.coords * folding.frame.size_mm)
+            for state in folding.states[1:]
+        ]
+        files[f"{stem}.fold"] = fold_bytes(sheet, name, states)
+    if SimulationFormat.PNG in formats:
+        from fab.animation import strain_png_bytes
+
+        tell("draw", 0, 1)
+        files[f"{stem}.png"] = strain_png_bytes(folding, name)
+    if SimulationFormat.GIF in formats:
+        from fab.animation import gif_bytes
+
+        files[f"{stem}.gif"] = gif_bytes(folding, name, lambda *at: tell("draw", *at))
+    every = [*findings, *inspect_angles(sheet), *told]
+    report: dict[str, Any] = {
+        "name": name,
+        "solver": solver,
+        "settings": settings.model_dump(mode="json"),
+        "verdict": verdict.report(),
+        "outputs": [
+            {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+            for file, data in files.items()
+        ],
+        "findings": [vars(finding) for finding in every],
+    }
+    files[f"{stem}.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    tell("write", 1, 1)
+    return Made(files, report, tuple(every))
