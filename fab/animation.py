@@ -122,7 +122,7 @@ def _draw(axes: Any, folding: Folding, state: FoldState, most: float) -> None:
     middle, side = (low + high) / 2 * frame.size_mm, float((high - low).max()) * frame.size_mm
     for axis, at in zip("xyz", middle, strict=True):
         getattr(axes, f"set_{axis}lim")(at - side / 2, at + side / 2)
-    axes.set_box_aspect((1, 1, 1), zoom=1.7)
+    axes.set_box_aspect((1, 1, 1), zoom=1.45)
     axes.view_init(elev=35, azim=-60)
     axes.set_axis_off()
 

@@ -32,7 +32,7 @@ _MOST, _MOST_AT_LAST = 150, 400
 # Steps with more damping than this say nothing about how far the energy could still fall.
 _TRUSTED_DAMPING = 1e-6
 # On the way: the next step would lower the energy by less than this share.
-_SETTLED = 1e-2
+_SETTLED = 1e-6
 # Over the diagonal of the sheet: smaller steps are rounding.
 _ROUNDING = 1e-12
 # Over the sum of all stiffness: what coordinates that are off by a few roundings store.
@@ -66,7 +66,8 @@ class FoldState:
     load : share of the target angles, 0 to 1.
     coords : shape (nv, 3), vertices of the framework over its size.
     energy : of bars and hinges; strain_mean, strain_max : sizes over all bars.
-    iterations : linear systems solved since the state before.
+    accepted : energy of the prediction, and after each step that was taken from there to rest.
+    iterations : linear systems solved since the state before, or Euler steps.
     settled : whether it came to rest.
     """
 
@@ -75,6 +76,7 @@ class FoldState:
     energy: Energy
     strain_mean: float
     strain_max: float
+    accepted: tuple[float, ...]
     iterations: int
     settled: bool
 
@@ -112,9 +114,9 @@ def fold(frame: Framework, steps: int = 10, progress: Progress = _silent) -> Fol
         target = load * frame.hinges_target
         coords = _predicted(frame, turning, state.coords, angles, target, steps)
         last = step == steps
-        coords, iterations, settled = _rest(frame, coords, target, last)
+        coords, accepted, iterations, settled = _rest(frame, coords, target, last)
         coords = aligned(coords, state.coords)
-        state = state_of(frame, load, coords, target, iterations, settled)
+        state = state_of(frame, load, coords, target, iterations, settled, accepted)
         states.append(state)
         angles = frame.angles_near(coords, target)
     progress(steps, steps)
@@ -138,15 +140,16 @@ def _predicted(
 
 def _rest(
     frame: Framework, coords: FloatArray, target: FloatArray, last: bool
-) -> tuple[FloatArray, int, bool]:
-    """Coordinates of least energy near to `coords`; steps taken; whether the energy settled."""
+) -> tuple[FloatArray, tuple[float, ...], int, bool]:
+    """Coordinates of least energy near to `coords`; energies on the way; steps; whether settled."""
     most = _MOST_AT_LAST if last else _MOST
     energy = frame.energy(coords, target).total
+    accepted = [energy]
     damping = _FIRST_DAMPING
     for solved in range(1, most + 1):
         gradient, matrix = frame.linearised(coords, target)
         if energy <= _ROUNDING_ENERGY * matrix.diagonal().sum():
-            return coords, solved - 1, True
+            return coords, tuple(accepted), solved - 1, True
         step = _damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
         for length in _LENGTHS:
             lower = frame.energy(coords + length * step, target).total
@@ -154,16 +157,17 @@ def _rest(
                 break
         else:
             if np.abs(step).max() < _ROUNDING or damping > _MOST_DAMPING:
-                return coords, solved, True
+                return coords, tuple(accepted), solved, True
             damping = max(100 * damping, 1e-10)
             continue
         coords, share, energy = coords + length * step, 1 - lower / energy, lower
+        accepted.append(energy)
         if np.abs(step).max() < _ROUNDING or (
             not last and damping < _TRUSTED_DAMPING and share < _SETTLED
         ):
-            return coords, solved, True
+            return coords, tuple(accepted), solved, True
         damping = max(damping / 10, _LEAST_DAMPING) if length == 1 else 10 * damping
-    return coords, most, False
+    return coords, tuple(accepted), most, False
 
 
 def _damped(matrix: csc_array, damping: float) -> SuperLU:
@@ -187,6 +191,7 @@ def state_of(
     target: FloatArray,
     iterations: int,
     settled: bool,
+    accepted: tuple[float, ...] = (),
 ) -> FoldState:
     """A state with its energy and strains."""
     strain = np.abs(frame.strains(coords))
@@ -196,6 +201,7 @@ def state_of(
         frame.energy(coords, target),
         float(strain.mean()),
         float(strain.max()),
+        accepted,
         iterations,
         settled,
     )

@@ -94,7 +94,7 @@ class Framework:
     hinges_edge : shape (nh,), edge of the sheet; -1 for facet creases.
     hinges_length, hinges_stiffness : shape (nh,), the latter k_hinge l0.
     hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and for
-        unassigned ones, which have no stiffness.
+        unassigned ones, which have no stiffness; nor have slits of one edge.
     """
 
     sheet: Opened
@@ -232,7 +232,8 @@ def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Fra
     between = face[beside[:, 0]] != face[beside[:, 1]]
     crease[between] = edges_between(sheet.pattern, ends[between])
     letter = np.where(crease < 0, "J", sheet.pattern.edges_assignment[crease])
-    kind = np.select([letter == "U", letter == "J"], [0.0, stiffness.facet], stiffness.crease)
+    free = np.isin(letter, ["U", "C"])
+    kind = np.select([free, letter == "J"], [0.0, stiffness.facet], stiffness.crease)
     folds = np.isin(letter, ["M", "V"])
     target = np.where(folds, np.radians(sheet.pattern.edges_foldAngle[crease]), 0.0)
     return Framework(

@@ -20,6 +20,9 @@ from solver.vectors import FloatArray, IntArray, norm, scattered, unit
 
 __all__ = ["Kinematics", "fold_by_angles"]
 
+# Edges about which nothing drives the faces: unassigned ones, and slits that nothing opens.
+_UNKNOWN = ("U", "C")
+
 
 @dataclass(frozen=True)
 class Kinematics:
@@ -30,14 +33,16 @@ class Kinematics:
     folded_coords : shape (nv, 3), mm: means over the faces around a vertex. The face in the middle
         of each piece lies as in the flat sheet.
     vertices_closure_rad : shape (nv,), by how much the turns around each interior vertex miss the
-        identity; NaN at the border, and at unassigned creases, which may turn as they like.
-    gap_mm : largest distance of a vertex from the places that its faces give to it. Angles may
-        close around every vertex and still not around a hole.
+        identity; NaN at the border, and at unassigned creases and slits, which turn as they like.
+    gap_mm : largest distance of a vertex from the places that its faces give to it.
+    gap_rad : largest angle by which two faces miss the angle of their crease. Angles may close
+        around every vertex and still not around a hole.
     """
 
     folded_coords: FloatArray
     vertices_closure_rad: FloatArray
     gap_mm: float
+    gap_rad: float
 
     @property
     def closure_max_rad(self) -> float:
@@ -49,7 +54,8 @@ class Kinematics:
 def fold_by_angles(pattern: CreasePattern) -> Kinematics:
     """Fold rigid faces by `edges_foldAngle`. Cuts between faces must be open (`fab.opened`)."""
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
-    turning = np.flatnonzero(pattern.edges_faces[:, 1] >= 0)
+    unknown = np.isin(pattern.edges_assignment, _UNKNOWN)
+    turning = np.flatnonzero((pattern.edges_faces[:, 1] >= 0) & ~unknown)
     ends = flat[pattern.edges_vertices[turning]]
     along = ends[:, 1] - ends[:, 0]
     angle = np.radians(pattern.edges_foldAngle[turning])
@@ -69,7 +75,12 @@ def fold_by_angles(pattern: CreasePattern) -> Kinematics:
         flat,
     )
     gap = norm(placed - folded[corners]).max(initial=0.0)
-    return Kinematics(folded, _closure(pattern, flat), float(gap))
+    one, two = pattern.edges_faces[turning].T
+    missed = (
+        Rotation.from_matrix(turn[one] @ turns @ turn[two].swapaxes(1, 2)) if len(one) else None
+    )
+    turned = 0.0 if missed is None else missed.magnitude().max()
+    return Kinematics(folded, _closure(pattern, flat), float(gap), float(turned))
 
 
 def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
@@ -84,7 +95,7 @@ def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
     angle = np.radians(pattern.edges_foldAngle[sides])
     axis = flat[corners[before]] - flat[corners]
     border = np.zeros(count, bool)
-    border[corners[(beyond < 0) | (pattern.edges_assignment[sides] == "U")]] = True
+    border[corners[(beyond < 0) | np.isin(pattern.edges_assignment[sides], _UNKNOWN)]] = True
     _, start = np.unique(corners, return_index=True)
     start = start[~border[corners[start]]]
     product = np.broadcast_to(np.eye(3), (len(start), 3, 3)).copy()
@@ -97,9 +108,13 @@ def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
         here[going] = beyond[at]
         going &= here != start
     out = np.full(count, np.nan)
-    if len(start):
-        out[corners[start]] = Rotation.from_matrix(product).magnitude()
+    out[corners[start]] = _angles(product)
     return out
+
+
+def _angles(matrices: FloatArray) -> FloatArray:
+    """Angles of rotation matrices, shape (n, 3, 3), none included."""
+    return np.array(Rotation.from_matrix(matrices).magnitude() if len(matrices) else [], float)
 
 
 def _next_around(corners: IntArray, following: IntArray, before: IntArray, count: int) -> IntArray:

@@ -22,8 +22,8 @@ class Opened:
     Attributes
     ----------
     pattern : vertices on cuts occur once for each side of the cut, cut edges twice, as borders.
-        Edges that bound no face are left out. A sheet without cuts keeps its numbers of vertices
-        that faces use.
+        Edges that bound no face are left out. A slit of one edge, held at both its ends, keeps its
+        letter C. A sheet without cuts keeps the numbers of its vertices.
     vertices_source, edges_source : shapes (nv,) and (ne,), numbers in the pattern that was opened.
     """
 

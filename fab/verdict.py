@@ -62,7 +62,7 @@ class Verdict:
     facet_bending_max_deg : largest angle by which a face is bent, at the end.
     wrong_creases : edges that end on the wrong side of flat; off_creases : those whose angle is off
         by over 0.01 degrees, worst first; angle_error_max_deg : the largest.
-    closure_max_rad : by how much the turns around a vertex miss the identity at most;
+    closure_max_rad : by how much the turns around a vertex or hole miss the identity at most;
         open_vertices : where they do not close, worst first.
     unassigned : number of creases that nothing drives.
     peak_strain, peak_strain_load : the largest strain on the way, and where.
@@ -128,7 +128,7 @@ def judge(folding: Folding) -> Verdict:
         _numbers(sheet.edges_source[wrong]),
         _numbers(sheet.edges_source[off]),
         worst,
-        kinematics.closure_max_rad,
+        max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[bad]),
         int((sheet.pattern.edges_assignment == "U").sum()),
         peak.strain_max,
@@ -162,7 +162,11 @@ def findings_of(verdict: Verdict) -> list[Finding]:
         if verdict.rmsd_rel is not None:
             text += f", shape off by {verdict.rmsd_rel:.2e} of the diagonal"
         text += ". " if last.settled else "; it did not come to rest. "
-        if verdict.open_vertices:
+        if verdict.closure_max_rad > _CLOSURE_RAD and not verdict.open_vertices:
+            text += (
+                f"Its angles miss each other by {verdict.closure_max_rad:.3g} rad around a hole."
+            )
+        elif verdict.open_vertices:
             text += "Its angles do not close: see open_vertices."
         elif verdict.unassigned:
             text += f"{verdict.unassigned} creases are unassigned: give them M or V and an angle."
@@ -209,7 +213,7 @@ def _target_form(frame: Framework, kinematics: Kinematics) -> FloatArray | None:
     folded = frame.sheet.pattern.folded_coords
     if folded is not None:
         return folded / frame.size_mm
-    closes = kinematics.closure_max_rad <= _CLOSURE_RAD
+    closes = max(kinematics.closure_max_rad, kinematics.gap_rad) <= _CLOSURE_RAD
     if closes and kinematics.gap_mm <= _SHAPE_REL * frame.size_mm:
         return kinematics.folded_coords / frame.size_mm
     return None
