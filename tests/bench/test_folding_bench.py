@@ -14,7 +14,7 @@ from fab.dynamics import DynamicSettings, moved
 from fab.folding import aligned, fold
 from fab.framework import framework
 from fab.verdict import judge
-from solver import CurvedFold, Miura, SurfaceFit
+from solver import Crumpled, CurvedFold, Miura, SurfaceFit
 from solver.vectors import norm
 
 
