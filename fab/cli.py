@@ -17,12 +17,16 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
 from fab.errors import Finding, InvalidFile, InvalidJob, Severity
 from solver.errors import InvalidValue, OrigamiError
+
+if TYPE_CHECKING:
+    from fab.crease import CreasePattern
+    from fab.stiffness import FoldSettings
 
 __all__ = ["main"]
 
@@ -230,6 +234,81 @@ def fabricate(
         _tell_left(left_over(made.files, name, out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_OUT
+@click.option("--states", default=None, type=int, help="Steps from flat to folded (default: 10).")
+@click.option(
+    "--solver",
+    type=click.Choice(["quasi-static", "dynamic"]),
+    default="quasi-static",
+    show_default=True,
+    help="From rest to rest, or masses that move (slow; to compare).",
+)
+@click.option("--only", default=None, metavar="FORMATS", help="Such as fold,gif (default: all).")
+@click.option("--dry-run", is_flag=True, help="Fold and judge, write nothing.")
+def simulate(
+    file: Path, out: Path, states: int | None, solver: str, only: str | None, dry_run: bool
+) -> None:
+    """Fold a FOLD file, or the sheet of a job (.toml), from flat, and judge whether it gets there."""
+    with _answers() as interrupts:
+        from fab.make import require_folder, write
+        from fab.simulate import SimulationFormat, Solver, simulate
+
+        formats = _formats(only, SimulationFormat) or list(SimulationFormat)
+        require_folder(out)
+        with _progress(interrupts) as progress:
+            pattern, name, settings, findings = _to_simulate(file, states, progress)
+            made = simulate(
+                pattern,
+                name,
+                settings,
+                solver=Solver(solver),
+                formats=formats,
+                findings=findings,
+                progress=progress,
+            )
+        interrupts.check()
+        if not dry_run:
+            write(made, out)
+        verb = "would write" if dry_run else "wrote"
+        for output, data in made.files.items():
+            _say(f"{verb} {out / output}  {len(data)} bytes")
+        verdict = made.report["verdict"]
+        far = verdict["rmsd_rel"]
+        _say(
+            f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
+            + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
+            + f"creases by at most {verdict['angle_error_max_deg']:.1e} degrees, strain "
+            f"{verdict['strain_max']:.1e} (on the way {verdict['peak_strain']:.1e})"
+        )
+        _tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)
+
+
+def _to_simulate(
+    file: Path, states: int | None, progress: Callable[[str, int, int], None]
+) -> tuple[CreasePattern, str, FoldSettings, Sequence[Finding]]:
+    """The pattern of a FOLD file or a job, its name, and how it is to be folded."""
+    from fab.stiffness import FoldSettings
+
+    given = {} if states is None else {"steps": states}
+    if file.suffix.lower() == ".toml":
+        from fab.job import load_job
+        from fab.make import grown_pattern
+
+        changes = [f"simulation.steps={states}"] if states is not None else []
+        job = load_job(file, changes)
+        pattern, findings = grown_pattern(job, progress)
+        return pattern, job.name, job.simulation or FoldSettings(), findings
+    from fab.pattern_file import read_pattern
+    from fab.settings import checked
+
+    settings = checked(FoldSettings, given, "--states", "Leave it out for 10.")
+    pattern, found = read_pattern(file)
+    return pattern, file.stem, settings, found
 
 
 @main.command()

@@ -12,17 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import Field
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from fab.framework import Energy, Framework, Stiffness
+from fab.framework import Energy, Framework
 from fab.rotations import Turner, turner
-from fab.settings import Settings
 from solver.errors import require_count
 from solver.vectors import FloatArray
 
-__all__ = ["FoldSettings", "FoldState", "Folding", "aligned", "flat_state", "fold", "state_of"]
+__all__ = ["FoldState", "Folding", "aligned", "flat_state", "fold", "state_of"]
 
 # Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
@@ -41,20 +39,6 @@ _ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
 _LENGTHS = (1.0, 0.5, 0.25, 0.125)
 
 Progress = Callable[[int, int], None]
-
-
-class FoldSettings(Settings):
-    """How finely a fold is followed, and how stiff the sheet is (`fab.framework`)."""
-
-    steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
-    axial: float = Field(default=20.0, gt=0, le=1e9, description="stiffness of bars")
-    crease: float = Field(default=0.7, ge=0, le=1e9, description="stiffness of creases")
-    facet: float = Field(default=0.7, ge=0, le=1e9, description="stiffness of faces, bent")
-
-    @property
-    def stiffness(self) -> Stiffness:
-        """Of bars and hinges."""
-        return Stiffness(self.axial, self.crease, self.facet)
 
 
 @dataclass(frozen=True)

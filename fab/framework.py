@@ -24,44 +24,19 @@ from fab.bodies import cap_triangles
 from fab.crease import CreasePattern
 from fab.opened import Opened, edges_between, opened
 from fab.polygons import by_size
-from solver.errors import InvalidValue, require_finite, require_positive
+from fab.stiffness import Stiffness
+from solver.errors import InvalidValue
 from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
 
 __all__ = [
     "Energy",
     "Framework",
-    "Stiffness",
     "framework",
     "hinge_angles",
     "hinge_forces",
     "wrapped",
 ]
-
-
-@dataclass(frozen=True)
-class Stiffness:
-    """Stiffness of bars and hinges, as multiples of each other; all at least 0.
-
-    axial : of bars, per length.
-    crease : of creases of the pattern, per length of crease and radian.
-    facet : of facet creases, which keep faces flat, and of joined edges (assignment J).
-
-    The defaults are those of Ghassaei, Demaine and Gershenfeld (2018). With much stiffer creases
-    thin triangles collapse on the way; with much softer ones the fold settles slowly.
-    """
-
-    axial: float = 20.0
-    crease: float = 0.7
-    facet: float = 0.7
-
-    def __post_init__(self) -> None:
-        require_positive("axial", self.axial, "Bars hold the sheet together.")
-        for name in ("crease", "facet"):
-            require_finite(name, getattr(self, name))
-            if getattr(self, name) < 0:
-                cure = "0 lets it turn freely."
-                raise InvalidValue(name, getattr(self, name), "be at least 0", cure)
 
 
 @dataclass(frozen=True)

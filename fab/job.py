@@ -18,6 +18,7 @@ from fab.hinges import HingeSettings
 from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
 from fab.settings import Settings, checked, read_toml
+from fab.stiffness import FoldSettings
 from solver import DESIGNS, Design
 from solver.designs.surface_fit import SURFACES
 from solver.targets import Target
@@ -151,6 +152,9 @@ class Job(Settings):
     perforation: PerforationSettings = PerforationSettings()
     panels: PanelSettings = PanelSettings()
     hinges: HingeSettings = HingeSettings()
+    simulation: FoldSettings | None = Field(
+        default=None, description="fold the sheet from flat and judge; not where left out"
+    )
     _folder: Path = PrivateAttr(default=Path())
 
     @property

@@ -12,10 +12,11 @@ from fab.crease import CreasePattern
 from fab.dynamics import fold_dynamically
 from fab.errors import Finding
 from fab.fold_file import fold_bytes
-from fab.folding import Folding, FoldSettings, fold
+from fab.folding import Folding, fold
 from fab.framework import framework
 from fab.inspection import inspect_angles
 from fab.make import Made, Progress
+from fab.stiffness import FoldSettings
 from fab.verdict import Verdict, findings_of, judge
 
 __all__ = ["SimulationFormat", "Solver", "simulate", "simulated"]
@@ -44,7 +45,7 @@ def simulated(
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """Fold a pattern and judge it. Raises `InvalidValue` where it has no area."""
     tell = progress if progress is not None else lambda *_: None
-    frame = framework(pattern, settings.stiffness)
+    frame = framework(pattern, settings)
 
     def step(done: int, total: int) -> None:
         tell("fold", done, total)

@@ -11,9 +11,10 @@ from fab.crease import CreasePattern, assignments, fold_angles_deg
 from fab.crossing import crossing_faces
 from fab.dynamics import DynamicSettings, Motion, fold_dynamically, moved
 from fab.folding import fold
-from fab.framework import Stiffness, framework, hinge_angles
+from fab.framework import framework, hinge_angles
 from fab.pattern_file import read_pattern
 from fab.rotations import turner
+from fab.stiffness import Stiffness
 from fab.verdict import findings_of, judge
 from solver.errors import InvalidValue
 from solver.mesh import edges_of

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.crease import fold_angles_deg
-from fab.framework import Stiffness, framework, hinge_angles, hinge_forces, wrapped
+from fab.framework import framework, hinge_angles, hinge_forces, wrapped
 from fab.opened import opened
+from fab.stiffness import Stiffness
 from solver import InvalidValue
 from solver.vectors import norm
 
@@ -161,7 +162,7 @@ def test_unassigned_and_joined_edges_are_free_and_flat():
     between = pattern_of(coords, faces)
     given = np.full(len(between.edges_vertices), "M")
     given[between.edges_faces[:, 1] >= 0] = letters
-    frame = framework(pattern_of(coords, faces, given), Stiffness(1.0, 2.0, 3.0))
+    frame = framework(pattern_of(coords, faces, given), Stiffness(axial=1.0, crease=2.0, facet=3.0))
     creases = frame.hinges_edge >= 0
     shown = frame.sheet.pattern.edges_assignment[frame.hinges_edge[creases]]
     stiff = dict(zip(shown, (frame.hinges_stiffness / frame.hinges_length)[creases], strict=True))
@@ -170,7 +171,7 @@ def test_unassigned_and_joined_edges_are_free_and_flat():
 
 @pytest.mark.parametrize(("key", "value"), [("axial", 0.0), ("crease", -1.0), ("facet", np.nan)])
 def test_bad_stiffness_is_refused(key, value):
-    with pytest.raises(InvalidValue, match=key):
+    with pytest.raises(ValueError, match=key):
         Stiffness(**{key: value})
 
 

@@ -1,0 +1,29 @@
+"""How stiff is a sheet that folds, and how finely is its fold followed?"""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from fab.settings import Settings
+
+__all__ = ["FoldSettings", "Stiffness"]
+
+
+class Stiffness(Settings):
+    """Stiffness of bars and hinges (`fab.framework`), as multiples of each other.
+
+    The defaults are those of Ghassaei, Demaine and Gershenfeld (2018). With much stiffer creases
+    thin triangles collapse on the way; with much softer ones the fold settles slowly.
+    """
+
+    axial: float = Field(default=20.0, gt=0, le=1e12, description="of bars, per length")
+    crease: float = Field(default=0.7, ge=0, le=1e12, description="per length and radian")
+    facet: float = Field(
+        default=0.7, ge=0, le=1e12, description="of bent faces and joined edges, as of creases"
+    )
+
+
+class FoldSettings(Stiffness):
+    """Stiffness, and how finely the way from flat to folded is followed."""
+
+    steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
