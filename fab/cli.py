@@ -252,7 +252,7 @@ def fabricate(
 def simulate(
     file: Path, out: Path, states: int | None, solver: str, only: str | None, dry_run: bool
 ) -> None:
-    """Fold a FOLD file, or the sheet of a job (.toml), from flat, and judge whether it gets there."""
+    """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
     with _answers() as interrupts:
         from fab.make import require_folder, write
         from fab.simulate import SimulationFormat, Solver, simulate

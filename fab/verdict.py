@@ -22,12 +22,13 @@ from solver.vectors import FloatArray, IntArray, norm
 
 __all__ = ["PathPoint", "Verdict", "findings_of", "judge"]
 
-# Off by more, a crease, or the shape over the diagonal, or a bar over its length, is not there.
-_ANGLE_DEG = 0.01
-_SHAPE_REL = 1e-6
-_STRAIN = 1e-6
+# Off by more, a crease, or the shape over the diagonal, or a bar over its length, is not there:
+# files whose angles have four digits behind the point are, those with a wrong crease are not.
+_ANGLE_DEG = 0.1
+_SHAPE_REL = 1e-4
+_STRAIN = 1e-4
 # Turns around a vertex that miss the identity by more do not close.
-_CLOSURE_RAD = 1e-6
+_CLOSURE_RAD = 1e-3
 _NAMED = 20
 
 
@@ -61,7 +62,7 @@ class Verdict:
     strain_mean, strain_max : sizes over all bars, at the end.
     facet_bending_max_deg : largest angle by which a face is bent, at the end.
     wrong_creases : edges that end on the wrong side of flat; off_creases : those whose angle is off
-        by over 0.01 degrees, worst first; angle_error_max_deg : the largest.
+        by over 0.1 degrees, worst first; angle_error_max_deg : the largest.
     closure_max_rad : by how much the turns around a vertex or hole miss the identity at most;
         open_vertices : where they do not close, worst first.
     unassigned : number of creases that nothing drives.
