@@ -141,8 +141,7 @@ def cut_layers(
     meeting = _meeting_lattices(pattern, lines, trimmed, width[kind] / 2, settings.margin_mm, holes)
     findings += _meeting_findings(meeting)
     layers = [Layer(Operation.MOUNTAIN), Layer(Operation.VALLEY)]
-    drawn = np.zeros(len(kind), bool)
-    pierced = np.zeros(len(kind), np.int64)
+    drawn, pierced = np.zeros((2, len(kind)), np.int64)
     for number, style in enumerate(kinds):
         for operation, letters in _operations(style):
             of_style = (kind == number) & np.isin(pattern.edges_assignment, letters)
@@ -152,11 +151,15 @@ def cut_layers(
                 continue
             ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
             cuts = cuts_along(ends, style, trim[creases], kerf_mm)
-            drawn[creases[cuts.owner]] = True
+            drawn += np.bincount(creases[cuts.owner], minlength=len(kind))
             pierced += np.bincount(creases[cuts.owner[cuts.pierced]], minlength=len(kind))
             layers.append(Layer(operation, cuts.segments))
-    drawn[meeting] = True  # named already
-    findings += _too_short(pattern, lines & ~walls, drawn, trim, settings.margin_mm)
+    uncut = drawn == 0
+    uncut[meeting] = False  # named already
+    rooms = [s.least_room_mm if isinstance(s, LatticeStyle) else SHORTEST_CUT_MM for s in kinds]
+    needed = trim.sum(axis=1) + np.array(rooms)[kind]
+    findings += _too_short(pattern, lines & ~walls, uncut, needed, settings.margin_mm)
+    findings += _rigid(pattern, (width > 0)[kind], drawn, needed)
     findings += _pierced(pierced, kerf_mm)
     borders = outlines_of(pattern)
     rings, moved = compensated(borders.rings, kerf_mm)
@@ -290,32 +293,53 @@ def _meeting_findings(creases: IntArray) -> list[Finding]:
 
 def _too_short(
     pattern: CreasePattern,
-    wanted: BoolArray,
-    drawn: BoolArray,
-    trim: FloatArray,
+    lines: BoolArray,
+    uncut: BoolArray,
+    needed: FloatArray,
     margin_mm: float,
 ) -> list[Finding]:
     findings = []
     ends = pattern.vertices_coords[pattern.edges_vertices]
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    needed = trim.sum(axis=1) + SHORTEST_CUT_MM
     for letter, name in _NAMES.items():
-        creases = np.flatnonzero(wanted & (pattern.edges_assignment == letter))
-        uncut = creases[~drawn[creases]]
-        if len(uncut):
+        creases = np.flatnonzero(lines & (pattern.edges_assignment == letter))
+        short = creases[uncut[creases]]
+        if len(short):
             findings.append(
                 Finding(
                     "crease-too-short",
-                    Severity.ERROR if len(uncut) == len(creases) else Severity.WARNING,
-                    f"{len(uncut)} of {len(creases)} {name} creases leave nothing between their "
+                    Severity.ERROR if len(short) == len(creases) else Severity.WARNING,
+                    f"{len(short)} of {len(creases)} {name} creases leave nothing between their "
                     f"margins ({2 * margin_mm:g} mm, and what relief holes and lattices take) and "
-                    f"stay uncut. The shortest is {length[uncut].min():.3g} mm long. Lower "
+                    f"stay uncut. The shortest is {length[short].min():.3g} mm long. Lower "
                     "margin_mm, or make the sheet at least "
-                    f"{enlargement(needed[uncut], length[uncut])} times as large.",
-                    creases=tuple(uncut[:20].tolist()),
+                    f"{enlargement(needed[short], length[short])} times as large.",
+                    creases=tuple(short[:20].tolist()),
                 )
             )
     return findings
+
+
+def _rigid(
+    pattern: CreasePattern, lattice: BoolArray, drawn: IntArray, needed: FloatArray
+) -> list[Finding]:
+    """Lattices of one slit, which bend nowhere; drawn : cuts of each crease, shape (ne,)."""
+    creases = np.flatnonzero(lattice & (drawn == 1))
+    if not len(creases):
+        return []
+    ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    bending = int((lattice & (drawn > 1)).sum())
+    return [
+        Finding(
+            "lattice-rigid",
+            Severity.WARNING if bending else Severity.ERROR,
+            f"{len(creases)} lattices have room for one slit alone and do not bend; {bending} do. "
+            f"The shortest of these creases is {length.min():.3g} mm long. Lower cut_mm, or make "
+            f"the sheet at least {enlargement(needed[creases], length)} times as large.",
+            creases=tuple(creases[:20].tolist()),
+        )
+    ]
 
 
 def _pierced(pierced: IntArray, kerf_mm: float) -> list[Finding]:
