@@ -27,7 +27,7 @@ from fab.fineness import narrow_faces
 from fab.labels import engraved
 from fab.make import Made, Progress
 from fab.materials import Machine, Material, Speeds, perforation_for
-from fab.nesting import nest, sheets
+from fab.nesting import Placements, nest, sheets
 from fab.paths import CutPaths, Layer, Operation
 from fab.perforation import cut_layers
 from fab.pieces import Piece, Pieces, SheetSplit, split
@@ -89,8 +89,11 @@ def fabricate(
 
     The report lists sheets (file names, pierces, lengths in mm, minutes, share of the bed in use;
     of two-sided ones each side, and how to turn them), pieces, and the seams in the order in which
-    they are glued. Raises `InvalidValue` where a face is larger than the bed, or a style does not
-    suit the kerf.
+    they are glued. A seam has its number, length and fold angle, both pieces, which of them (0 or
+    1) carries the tab, and of each the sheet and the middle of the edge there: of the first copy,
+    on the front.
+
+    Raises `InvalidValue` where a face is larger than the bed, or a style does not suit the kerf.
     """
     require_count("copies", copies, 1, "Ask for one copy or more.")
     tell = progress if progress is not None else lambda *_: None
@@ -141,7 +144,7 @@ def fabricate(
                 **work,
             }
         )
-    report = _report(name, material, machine, copies, pieces, listed, files, told)
+    report = _report(name, material, machine, copies, pieces, placements, listed, files, told)
     files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     tell("write", 1, 1)
     return Made(files, report, tuple(told))
@@ -231,6 +234,7 @@ def _report(
     machine: Machine,
     copies: int,
     pieces: Pieces,
+    placements: Placements,
     listed: list[dict[str, Any]],
     files: dict[str, bytes],
     findings: Sequence[Finding],
@@ -244,16 +248,37 @@ def _report(
         "pieces": [
             {"name": piece.name, "faces": int((piece.faces >= 0).sum())} for piece in pieces.pieces
         ],
-        "glue_up": [
-            {"label": label, "pieces": [one, two], "length_mm": _round(length)}
-            for label, one, two, length in pieces.glue_up()
-        ],
+        "glue_up": _glue_up(pieces, placements),
         "outputs": [
             {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
             for file, data in files.items()
         ],
         "findings": [dataclasses.asdict(finding) for finding in findings],
     }
+
+
+def _glue_up(pieces: Pieces, placements: Placements) -> list[dict[str, Any]]:
+    """One row for each seam, in the order of assembling."""
+    placed = {item.piece: item for item in placements.items if item.copy == 0}
+    rows = []
+    for seam in pieces.seams:
+        at = []
+        for number, edge in zip(seam.pieces, seam.piece_edges, strict=True):
+            own, item = pieces.pieces[number].pattern, placed[number]
+            middle = own.vertices_coords[own.edges_vertices[edge]].mean(axis=0)
+            at.append([_round(x) for x in item.turn @ middle + item.shift])
+        rows.append(
+            {
+                "label": seam.label,
+                "length_mm": _round(seam.length_mm),
+                "fold_angle_deg": _round(seam.fold_angle_deg),
+                "pieces": [pieces.pieces[number].name for number in seam.pieces],
+                "tab": seam.tab,
+                "sheets": [placed[number].sheet + 1 for number in seam.pieces],
+                "at_mm": at,
+            }
+        )
+    return rows
 
 
 def _round(value: float) -> float:

@@ -14,7 +14,15 @@ from matplotlib.textpath import TextPath
 from fab.paths import Layer, Operation
 from solver.vectors import FloatArray
 
-__all__ = ["Label", "engraved", "fitted", "highest", "text_outlines", "text_width"]
+__all__ = [
+    "Label",
+    "engraved",
+    "fitted",
+    "highest",
+    "number_text",
+    "text_outlines",
+    "text_width",
+]
 
 # The sans serif font that comes with matplotlib, so that every machine writes alike.
 _FONT = FontProperties(family="DejaVu Sans")
@@ -23,6 +31,8 @@ _EM = 100.0
 _SHRINK = 0.8
 # Height of the box that a text keeps free, in heights of its letters.
 _BOX_HEIGHT = 1.2
+# Digits that are digits when turned by half a turn.
+_TURNED = str.maketrans("01689", "01986")
 
 
 @dataclass(frozen=True)
@@ -40,6 +50,14 @@ class Label:
     at: tuple[float, float]
     height_mm: float
     angle_deg: float
+
+
+def number_text(number: int) -> str:
+    """A number to be engraved, with a full stop where another one is read upside down: "6."."""
+    text = str(number)
+    turned = text[::-1].translate(_TURNED)
+    other = set(text) <= set("01689") and turned != text and turned[0] != "0"
+    return f"{text}." if other else text
 
 
 @cache

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
 from fab.errors import Finding, Severity
-from fab.labels import Label, fitted, highest
+from fab.labels import Label, fitted, highest, number_text
 from fab.partition import Sheet, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
@@ -61,7 +61,8 @@ class Seam:
 
     Attributes
     ----------
-    label : running number, in the order of assembling; it is engraved on both sides.
+    label : running number, in the order of assembling; it is engraved on both sides
+        (`fab.labels.number_text`).
     edges : numbers in the whole pattern, first and second side; the same twice, unless the whole
         pattern is open here and its folded form is closed.
     pieces : numbers of the pieces of both sides.
@@ -115,14 +116,6 @@ class Pieces:
     def labelled(self) -> bool:
         """Whether labels tell anything: not those of one piece without seams."""
         return len(self.pieces) > 1 or len(self.seams) > 0
-
-    def glue_up(self) -> list[tuple[int, str, str, float]]:
-        """One row for each seam, in the order of assembling: label, both pieces, length in mm."""
-        return [
-            (seam.label, self.pieces[one].name, self.pieces[two].name, seam.length_mm)
-            for seam in self.seams
-            for one, two in [seam.pieces]
-        ]
 
 
 @dataclass(frozen=True)
@@ -471,7 +464,7 @@ def _labels(
     direction = lines[:, 1] - lines[:, 0]
     name = _name(number)
     widest, middle, slant = _place_for(name, rooms[:real], face)
-    texts = [name, *(str(s + 1) for s in seam)]
+    texts = [name, *(number_text(s + 1) for s in seam.tolist())]
     anchors = np.concatenate([middle[None], lines.mean(axis=1)])
     angles = np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])])
     height = np.full(len(anchors), settings.label_mm)
@@ -479,7 +472,7 @@ def _labels(
     hang = np.ones(len(anchors))
     hang[0] = 0.0
     space = [rooms[f] for f in [widest, *face.tolist(), *tab.tolist()]]
-    on_tabs = [str(s + 1) for s in carried]
+    on_tabs = [number_text(s + 1) for s in carried.tolist()]
     return texts, fitted([*texts, *on_tabs], anchors, angles, space, height, hang, _READABLE_MM)
 
 

@@ -26,6 +26,7 @@ from fab.errors import InvalidJob, Severity
 from fab.fabricate import fabricate, left_over, scaled
 from fab.fold_file import fold_bytes
 from fab.job import load_job
+from fab.labels import number_text
 from fab.make import Format, make
 from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
@@ -233,10 +234,21 @@ def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, t
     assert len(made.report["glue_up"]) >= len(names) - 1
     assert load_machine("knife_a3_roll").kerf_mm == 0
     total = 0.0
+    filled = []
     for sheet, polygons in outlines_on(made):
         assert len(polygons) == len(sheet["pieces"])
         assert shapely.is_valid(polygons).all()
-        total += shapely.union_all(polygons).area
+        filled.append(shapely.union_all(polygons))
+        total += filled[-1].area
+    # a seam's edge is the foot of its tab, or an edge of the sheet
+    for row in made.report["glue_up"]:
+        for side, (name, number, at) in enumerate(
+            zip(row["pieces"], row["sheets"], row["at_mm"], strict=True)
+        ):
+            assert name in made.report["sheets"][number - 1]["pieces"]
+            point, sheet = shapely.Point(at), filled[number - 1]
+            assert sheet.distance(point) < 1e-3
+            assert (sheet.boundary.distance(point) < 1e-3) == (row["tab"] != side)
     # tabs come on top; no piece covers any of its own faces twice
     corners = np.split(pattern.vertices_coords[pattern.faces_vertices], pattern.faces_offsets[1:-1])
     assert total >= shapely.area([shapely.Polygon(ring) for ring in corners]).sum() * (1 - 1e-6)
@@ -310,8 +322,11 @@ def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
     for row, seam in zip(rows, pieces.seams, strict=True):
         assert row["pieces"] == ["A", "A"]
         assert row["length_mm"] == pytest.approx(seam.length_mm, abs=1e-4)
-        written = [label for label in piece.labels if label.text == str(seam.label)]
-        missing = piece.unwritten.count(str(seam.label))
+        assert row["fold_angle_deg"] == pytest.approx(seam.fold_angle_deg, abs=1e-4)
+        assert row["tab"] == seam.tab
+        text = number_text(seam.label)
+        written = [label for label in piece.labels if label.text == text]
+        missing = piece.unwritten.count(text)
         for edge in seam.piece_edges:
             face = piece.pattern.edges_faces[edge, 0]
             i, j = piece.pattern.faces_offsets[face : face + 2]
