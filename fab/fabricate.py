@@ -80,17 +80,18 @@ def fabricate(
     findings: Sequence[Finding] = (),
     progress: Progress | None = None,
 ) -> Made:
-    """Files of all sheets on which `copies` of a pattern lie, and report.json.
+    """Files of all sheets on which `copies` of a pattern lie, and a report.
 
     pattern : in millimetres; findings : of its reader, told again in the report.
     registration : where given, creases are scored on the side that they open, and each sheet has a
         front and a back (`fab.two_sided`); the stock is as large as the bed.
     progress : called with (stage, steps done, steps in the stage).
 
-    The report lists sheets (file names, pierces, lengths in mm, minutes, share of the bed in use;
-    of two-sided ones each side, and how to turn them), pieces, and the seams in the order in which
-    they are glued. Raises `InvalidValue` where a face is larger than the bed, or a style does not
-    suit the kerf.
+    The report is the file `name`_report.json, so that it may lie beside the report of the job that
+    made the pattern. It lists sheets (file names, pierces, lengths in mm, minutes, share of the bed
+    in use; of two-sided ones each side, and how to turn them), pieces, and the seams in the order
+    in which they are glued. Raises `InvalidValue` where a face is larger than the bed, or a style
+    does not suit the kerf.
     """
     require_count("copies", copies, 1, "Ask for one copy or more.")
     tell = progress if progress is not None else lambda *_: None
@@ -103,7 +104,7 @@ def fabricate(
         mitre_mm=_CORNER_KERFS * machine.kerf_mm,
         tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
-    pieces, found = split(pattern, room, machine.bed_mm)
+    pieces, found = split(pattern, room, machine.bed_mm, partial(tell, "split"))
     told += found
     if copies * len(pieces.pieces) > _MOST_PLACED:
         raise InvalidValue(
@@ -142,7 +143,7 @@ def fabricate(
             }
         )
     report = _report(name, material, machine, copies, pieces, listed, files, told)
-    files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    files[f"{name}_report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     tell("write", 1, 1)
     return Made(files, report, tuple(told))
 

@@ -649,3 +649,20 @@ def test_letters_have_their_height_middle_and_direction():
     arm = every - [10, 20]
     assert upward == pytest.approx(np.column_stack([10 - arm[:, 1], 20 + arm[:, 0]]))
     assert len(rings) == 3  # the A has a hole
+
+
+def test_progress_is_told_up_to_the_last_face_and_can_interrupt():
+    pattern = grid(12, 12, 30.0)
+    told = []
+    made, _ = split(pattern, SheetSplit(), (150.0, 120.0), lambda *steps: told.append(steps))
+    assert len(told) > len(made.pieces) > 1
+    assert {total for _, total in told} == {2 * pattern.face_count}
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert sum(0 < done < pattern.face_count for done, _ in told) > 1
+    assert told[-1] == (288, 288)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        split(pattern, SheetSplit(), (150.0, 120.0), stop)
