@@ -29,7 +29,7 @@ from fab.make import Made, Progress
 from fab.materials import Machine, Material, Speeds, perforation_for
 from fab.nesting import nest, sheets
 from fab.paths import CutPaths, Layer, Operation
-from fab.perforation import cut_layers
+from fab.perforation import crease_findings, cut_piece
 from fab.pieces import Piece, Pieces, SheetSplit, split
 from fab.tour import estimate, tour
 from fab.two_sided import Registration, how_to_turn, two_sided
@@ -113,12 +113,14 @@ def fabricate(
             f"make at most {_MOST_PLACED} pieces",
             "Make several runs.",
         )
-    layers = []
+    layers, creases = [], []
     for number, piece in enumerate(pieces.pieces):
         tell("perforate", number, len(pieces.pieces))
-        drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
-        told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
+        drawn, became, found = cut_piece(piece.pattern, style, machine.kerf_mm)
+        creases.append(replace(became, numbers=piece.edges[became.numbers]))
+        told += _of_piece(piece, found, alone=len(pieces.pieces) == 1)
         layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
+    told += crease_findings(creases, style.margin_mm, machine.kerf_mm)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
     tell("nest", 0, copies * len(outlines))
@@ -193,12 +195,12 @@ def _side(
     return files, {key: _round(value) for key, value in work.items()}
 
 
-def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:
-    """Findings of a piece, with edges numbered as in the whole pattern."""
+def _of_piece(piece: Piece, findings: Sequence[Finding], *, alone: bool) -> list[Finding]:
+    """Findings of a piece, named unless it is alone, with edges numbered as in the pattern."""
     return [
         replace(
             finding,
-            text=f"piece {piece.name}: {finding.text}",
+            text=finding.text if alone else f"piece {piece.name}: {finding.text}",
             creases=tuple(int(piece.edges[e]) for e in finding.creases if piece.edges[e] >= 0),
         )
         for finding in findings

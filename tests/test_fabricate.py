@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from flat_patterns import grid, triangles, turned_strip
+from flat_patterns import grid, pattern_of, triangles, turned_strip
 from helpers import TEMPLATES, made_template
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -278,6 +279,24 @@ def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
     )
     for code in ("face-narrower-than-kerf", "crease-too-short"):
         assert "times as large" in told[code]
+
+
+def test_creases_of_all_pieces_are_told_of_once_with_the_factor_that_helps_all():
+    """A ladder of rungs, of which three in different pieces are too short."""
+    height = np.full(100, 20.0)
+    height[[10, 50, 90]] = 0.9, 0.5, 0.7
+    rungs = [[[15.0 * i, -h / 2], [15.0 * i, h / 2]] for i, h in enumerate(height)]
+    faces = [[2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1] for i in range(len(rungs) - 1)]
+    pattern = pattern_of(np.reshape(rungs, (-1, 2)), faces, "M")
+    pieces, made = with_pieces(pattern, "ladder", load_machine(MACHINE), formats=[SheetFormat.SVG])
+    (finding,) = [f for f in made.findings if f.code == "crease-too-short"]
+    short = pattern.vertices_coords[pattern.edges_vertices[list(finding.creases)]]
+    assert np.hypot(*np.diff(short, axis=1)[:, 0].T) == pytest.approx([0.9, 0.5, 0.7])
+    homes = [[c in piece.edges for c in finding.creases].index(True) for piece in pieces.pieces]
+    assert homes == [0, 1, 2]
+    assert finding.text.startswith("3 of 98 mountain creases")
+    factor = float(re.search(r"at least (\S+) times", finding.text)[1])
+    assert factor == pytest.approx(1.01 / 0.5, rel=0.01)
 
 
 @pytest.mark.parametrize("name", ["nested_cones", "elliptic_ring", "twisted_squares"])
