@@ -359,7 +359,7 @@ def check(file: Path, tolerance: float) -> None:
 
 
 def _tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; all of them stand in report.json."""
+    """One line for each code of finding; all of them stand in the report."""
     for code in dict.fromkeys(finding.code for finding in findings):
         alike = [finding for finding in findings if finding.code == code]
         more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
