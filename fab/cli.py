@@ -301,11 +301,11 @@ def new(template: str, out: Path | None) -> None:
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(f"template {template!r} must be one of {', '.join(known)}.{hint}")
         target = out if out is not None else Path(f"{template}.toml")
-        if target.exists():
-            raise InvalidJob(f"{target} exists already. Give another file with --out.")
         try:
             with target.open("xb") as file:
                 file.write(known[template].read_bytes())
+        except FileExistsError as error:
+            raise InvalidJob(f"{target} exists already. Give another file with --out.") from error
         except OSError as error:
             raise InvalidJob(
                 f"{target}: cannot be written: {error.strerror}. Choose another --out."
@@ -359,7 +359,7 @@ def check(file: Path, tolerance: float) -> None:
 
 
 def _tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; all of them stand in report.json."""
+    """One line for each code of finding; all of them stand in the report."""
     for code in dict.fromkeys(finding.code for finding in findings):
         alike = [finding for finding in findings if finding.code == code]
         more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""

@@ -168,6 +168,12 @@ def _pairs(path: Path, frame: dict[str, Any], count: int, findings: list[Finding
     if not rows:
         if not frame.get("faces_vertices"):
             raise InvalidFile(f"{path}: edges_vertices is missing. Export the file with its edges.")
+        for key in ("edges_assignment", "edges_foldAngle"):
+            if frame.get(key):
+                raise InvalidFile(
+                    f"{path}: edges_vertices is missing, so that nobody knows which edges {key} is "
+                    f"of. Export the file with its edges, or remove {key}."
+                )
         corners, offsets = frame_faces(path, frame["faces_vertices"], count)
         text = "edges_vertices is missing: the edges are those of the faces."
         findings.append(_finding("edges-missing", Severity.WARNING, text))
@@ -201,7 +207,10 @@ def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Findi
         signs = [np.sign(a) if isinstance(a, int | float) else 0 for a in angles]
         return np.array(["U", "V", "M"])[np.array(signs, dtype=np.int64)]
     if len(found) != count:
-        raise InvalidFile(f"{path}: {len(found)} edges_assignment for {count} edges.")
+        raise InvalidFile(
+            f"{path}: {len(found)} entries of edges_assignment for {count} edges. Give one for "
+            "each edge, U where it is not known."
+        )
     given = np.array([str(letter) for letter in found])
     upper = np.char.upper(given)
     unknown = ~np.isin(upper, list(_LETTERS))
@@ -231,7 +240,8 @@ def _angles(
         return default.astype(float)
     if len(found) != len(letters):
         raise InvalidFile(
-            f"{path}: {len(found)} entries of edges_foldAngle for {len(letters)} edges."
+            f"{path}: {len(found)} entries of edges_foldAngle for {len(letters)} edges. Give one "
+            "for each edge, null where it is not known."
         )
     for number, angle in enumerate(found):
         if angle is not None and not (type(angle) in (int, float) and -180 <= angle <= 180):
@@ -310,7 +320,9 @@ def _places(lines: Lines, sides: IntArray) -> IntArray:
     lacking = np.flatnonzero(keys[place] != wanted)
     if len(lacking):
         one, two = sides[lacking[0]]
-        raise InvalidFile(f"{lines.path}: edges_vertices lacks the side ({one}, {two}) of a face.")
+        raise InvalidFile(
+            f"{lines.path}: edges_vertices lacks the side ({one}, {two}) of a face. Add it."
+        )
     return place
 
 

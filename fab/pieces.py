@@ -5,7 +5,7 @@ pattern -> sets of faces -> seams -> tabs -> pieces with labels, each a pattern 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,13 +134,18 @@ class _Seams:
 
 
 def split(
-    pattern: CreasePattern, settings: SheetSplit, bed_mm: tuple[float, float]
+    pattern: CreasePattern,
+    settings: SheetSplit,
+    bed_mm: tuple[float, float],
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Pieces, list[Finding]]:
     """Pieces that lie on the bed and overlap nowhere, with tabs and labels.
 
     A pattern that fits is one piece. Otherwise it is cut along its inner edges, those of assignment
     F too, into as few pieces as the search finds. Edges of the boundary that come together when
     folded (a ring cut open) are seams as well, where the pattern knows its folded form.
+
+    progress : called with (steps done, steps in all): each face is set apart, then drawn.
 
     Raises `InvalidValue` for a bed smaller than a face with its tabs, or a face without area.
     """
@@ -162,7 +167,13 @@ def split(
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True
     sheet = Sheet(pattern, joined, _reach(pattern, settings), glued, (width, height), told)
-    sets = partition(sheet)
+    steps = 2 * pattern.face_count
+
+    def tell(done: int, _: int) -> None:
+        if progress is not None:
+            progress(done, steps)
+
+    sets = partition(sheet, tell)
     owner = np.empty(pattern.face_count, np.int64)
     for number, faces in enumerate(sets):
         owner[faces] = number
@@ -171,11 +182,13 @@ def split(
     owner = rank[owner]
     seams = _seams(pattern, owner, joined, closing, closing_angle)
     side, tops = _tabs(pattern, owner, seams, settings)
-    pieces = tuple(
-        _piece(sheet, number, faces, seams, side, tops, settings)
-        for number, faces in enumerate(sets)
-    )
-    made = Pieces(pieces, _numbered(pattern, pieces, seams, side))
+    pieces: list[Piece] = []
+    drawn = pattern.face_count
+    for number, faces in enumerate(sets):
+        pieces.append(_piece(sheet, number, faces, seams, side, tops, settings))
+        drawn += len(faces)
+        tell(drawn, steps)
+    made = Pieces(tuple(pieces), _numbered(pattern, pieces, seams, side))
     return made, _findings(made, settings)
 
 

@@ -561,6 +561,34 @@ def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
         assert room.covers(box) == inside
 
 
+@given(st.integers(0, 10**6), st.floats(0, 7))
+def test_the_highest_text_on_a_line_touches_the_room_and_stays_inside(seed, slant):
+    """Its middle is one height above the middle of a side of the room."""
+    random = np.random.default_rng(seed)
+    angle = np.pi * np.sort(random.uniform(0.05, 0.95, 7))
+    radius = random.uniform(3, 20, 7)
+    upper = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    half = random.uniform(1, 20)
+    turn = np.array([[np.cos(slant), np.sin(slant)], [-np.sin(slant), np.cos(slant)]])
+    anchor = random.uniform(-50, 50, 2)
+    room = shapely.Polygon(np.vstack([[[-half, 0], [half, 0]], upper]) @ turn + anchor)
+    assume(room.is_valid)
+    height = highest("17", anchor, slant, room, 1.0)
+    for share, inside in ((0.3, True), (1 - 1e-6, True), (1 + 1e-6, False)):
+        h, w = share * height, (text_width("17") + 0.4) / 2
+        corners = h * np.array([[-w, 0.4], [w, 0.4], [w, 1.6], [-w, 1.6]])
+        assert room.covers(shapely.Polygon(corners @ turn + anchor)) == inside
+
+
+def test_numbers_are_as_high_as_their_faces_let_them_be():
+    """Two rows of flat faces: the name, and a number on each side of the seam."""
+    coords = [[0, 0], [40, 0], [40, 3], [0, 3], [40, 6], [0, 6]]
+    pattern = flat_pattern(coords, [(0, 1, 2, 3), (3, 2, 4, 5)])
+    made, _ = split(pattern, SheetSplit(margin_mm=0, tabs=False), (41.0, 5.0))
+    numbers = [label for piece in made.pieces for label in piece.labels if label.text == "1"]
+    assert [label.height_mm for label in numbers] == pytest.approx([3 / 1.6] * 2)
+
+
 def test_names_run_on_after_z():
     made, _ = split(grid(28, 1, 30.0), SheetSplit(tabs=False), (42.0, 42.0))
     assert [piece.name for piece in made.pieces][-3:] == ["Z", "AA", "AB"]
@@ -660,3 +688,20 @@ def test_letters_have_their_height_middle_and_direction():
     arm = every - [10, 20]
     assert upward == pytest.approx(np.column_stack([10 - arm[:, 1], 20 + arm[:, 0]]))
     assert len(rings) == 3  # the A has a hole
+
+
+def test_progress_is_told_up_to_the_last_face_and_can_interrupt():
+    pattern = grid(12, 12, 30.0)
+    told = []
+    made, _ = split(pattern, SheetSplit(), (150.0, 120.0), lambda *steps: told.append(steps))
+    assert len(told) > len(made.pieces) > 1
+    assert {total for _, total in told} == {2 * pattern.face_count}
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert sum(0 < done < pattern.face_count for done, _ in told) > 1
+    assert told[-1] == (288, 288)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        split(pattern, SheetSplit(), (150.0, 120.0), stop)
