@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.errors import InvalidFile, Severity
-from fab.fold_file import fold_bytes, read_fold
+from fab.fold_file import fold_bytes
 from fab.pattern_file import read_pattern
 from fab.planar import enclosed_faces, first_crossing, without_dangling
 from fab.polygons import ring_areas
@@ -225,6 +225,31 @@ def test_every_repair_names_its_edges(tmp_path, document, code, edges, counts):
     fold = pattern.edges_foldAngle[np.isin(pattern.edges_assignment, ["M", "V"])]
     assert (np.sign(fold) == np.where(counts.get("M"), -1, 1)).all()
     assert (pattern.edges_foldAngle[pattern.edges_assignment == "B"] == 0).all()
+    first = next((f for f in findings if f.code not in ("crease-dangling", "sheet-overlaps")), None)
+    if first is None:
+        assert read(tmp_path, document, strict=True)[1] == findings
+        return
+    with pytest.raises(InvalidFile) as refused:
+        read(tmp_path, document, strict=True)
+    assert str(refused.value) == f"{tmp_path / 'sheet.fold'}: {first.text}"
+
+
+def test_sides_without_length_that_cross_their_face_are_merged(tmp_path):
+    """Edge 7 is 1e-10 long and turned around: its face crosses itself by that much."""
+    document = changed(
+        vertices_coords=[*SQUARES["vertices_coords"][:5], [1e-10, 1], [0, 1]],
+        edges_vertices=[*SQUARES["edges_vertices"][:4], [4, 5], [6, 0], [1, 4], [5, 6]],
+        edges_assignment=[*SQUARES["edges_assignment"], "B"],
+        edges_foldAngle=[*SQUARES["edges_foldAngle"], 0],
+        faces_vertices=[[0, 1, 4, 5, 6], [1, 2, 3, 4]],
+    )
+    pattern, findings = read(tmp_path, document)
+    assert findings == ()  # a short side alone stays
+    document["vertices_coords"][5:] = [[0, 1 - 1e-10], [0, 1]]
+    pattern, (finding,) = read(tmp_path, document)
+    assert finding.code == "zero-length-edge"
+    assert finding.creases == (7,)
+    assert pattern.counts() == {"M": 0, "V": 1, "F": 0, "B": 6}
 
 
 def test_slits_belong_to_the_face_around_them(tmp_path):
@@ -404,7 +429,7 @@ def test_our_own_files_read_alike_either_way(tmp_path):
     mesh = Miura(columns=4, rows=3).grow().mesh
     pattern = crease_pattern(mesh, develop(mesh), 10.0)
     (tmp_path / "miura.fold").write_bytes(fold_bytes(pattern, "miura"))
-    strict = read_fold(tmp_path / "miura.fold")
+    strict, _ = read_pattern(tmp_path / "miura.fold", strict=True)
     free, findings = read_pattern(tmp_path / "miura.fold")
     assert findings == ()
     for key in ("edges_vertices", "edges_faces", "edges_foldAngle", "edges_assignment"):
