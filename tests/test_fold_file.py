@@ -278,7 +278,7 @@ NAN = float("nan")
         ({"edges_foldAngle": [NAN] + [0.0] * 23}, "-180 to 180"),
         ({"edges_vertices": [[0, 1, 2]] * 24}, "two vertex numbers"),
         ({"edges_vertices": [["a", 1]] * 24}, "two vertex numbers"),
-        ({"edges_assignment": ["M"]}, "1 edges_assignment for 24 edges"),
+        ({"edges_assignment": ["M"]}, "1 entries of edges_assignment for 24 edges"),
         (
             {"edges_vertices": [[0, 1]] * 24, "edges_assignment": ["B"] * 24},
             "lacks the side",
@@ -286,8 +286,14 @@ NAN = float("nan")
         ({"file_frames": [3]}, "frame 1 must be an object"),
         ({"file_frames": [{"frame_inherit": True, "frame_parent": 7}]}, "frame_parent 7"),
         ({"file_frames": [{"frame_inherit": True, "frame_parent": 1}]}, "frame_parent 1"),
-        ({"edges_vertices": None}, "edges_assignment without edges_vertices"),
-        ({"edges_vertices": None, "edges_assignment": None}, "edges_foldAngle without edges_v"),
+        (
+            {"edges_vertices": None},
+            "edges_vertices is missing, so that nobody knows which edges edges_assignment",
+        ),
+        (
+            {"edges_vertices": None, "edges_assignment": None},
+            "edges_vertices is missing, so that nobody knows which edges edges_foldAngle",
+        ),
         (
             {
                 "edges_foldAngle": None,
