@@ -107,6 +107,10 @@ _ONLY_SHEETS = click.option(
     "--only", default=None, metavar="FORMATS", help="Such as dxf,pdf (default: dxf,svg,pdf)."
 )
 
+_STRICT = click.option(
+    "--strict", is_flag=True, help="Refuse files that need a repair, or an assumption."
+)
+
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="quadfold")
@@ -380,11 +384,11 @@ def new(template: str, out: Path | None) -> None:
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(f"template {template!r} must be one of {', '.join(known)}.{hint}")
         target = out if out is not None else Path(f"{template}.toml")
-        if target.exists():
-            raise InvalidJob(f"{target} exists already. Give another file with --out.")
         try:
             with target.open("xb") as file:
                 file.write(known[template].read_bytes())
+        except FileExistsError as error:
+            raise InvalidJob(f"{target} exists already. Give another file with --out.") from error
         except OSError as error:
             raise InvalidJob(
                 f"{target}: cannot be written: {error.strerror}. Choose another --out."
@@ -397,21 +401,23 @@ def new(template: str, out: Path | None) -> None:
 @click.option(
     "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
 )
-def check(file: Path, tolerance: float) -> None:
+@_STRICT
+def check(file: Path, tolerance: float, strict: bool) -> None:
     """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
     with _answers():
         from fab.crossing import crossing_faces
-        from fab.fold_file import read_fold
         from fab.inspection import (
             inspect_accuracy,
             inspect_angles,
             inspect_crossings,
             measure_pattern,
         )
+        from fab.pattern_file import read_pattern
 
         if not math.isfinite(tolerance):
             raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
-        pattern = read_fold(file)
+        pattern, repairs = read_pattern(file, strict=strict)
+        _tell(repairs)
         if pattern.folded_coords is None:
             raise InvalidFile(
                 f"{file}: no folded frame to measure. Add a frame of class foldedForm."
@@ -437,8 +443,48 @@ def check(file: Path, tolerance: float) -> None:
     sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
 
 
+@main.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    default=None,
+    type=click.Path(path_type=Path),
+    help="File to write (default: the last of the files).",
+)
+@_STRICT
+@click.option("--dry-run", is_flag=True, help="Read and convert everything, write nothing.")
+def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bool) -> None:
+    """Convert between FOLD files and pairs of OBJ files (flat and folded), or to SVG.
+
+    quadfold convert crane.fold mended.fold   repairs the file, and says what it did
+
+    quadfold convert crane.fold crane.obj     writes crane_flat.obj and crane_fold.obj
+
+    quadfold convert crane.fold crane.svg     with the colours that Origami Simulator reads
+
+    quadfold convert crane_flat.obj crane.fold   reads crane_fold.obj beside it as well
+
+    quadfold convert one.obj two.obj --out crane.fold   a flat and a folded mesh
+    """
+    with _answers():
+        from fab.convert import convert, read_any
+        from fab.make import require_folder, write
+
+        target = out if out is not None else files[-1]
+        sources = files if out is not None else files[:-1]
+        require_folder(target.parent)
+        made = convert(read_any(sources, strict=strict), target)
+        if not dry_run:
+            write(made, target.parent)
+        verb = "would write" if dry_run else "wrote"
+        for name, data in made.files.items():
+            _say(f"{verb} {target.parent / name}  {len(data)} bytes")
+        _tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)
+
+
 def _tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; all of them stand in report.json."""
+    """One line for each code of finding; all of them stand in the report."""
     for code in dict.fromkeys(finding.code for finding in findings):
         alike = [finding for finding in findings if finding.code == code]
         more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""

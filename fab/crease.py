@@ -19,7 +19,7 @@ from solver.errors import InvalidValue, require_positive
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
-__all__ = ["FLAT_ANGLE_DEG", "CreasePattern", "crease_pattern", "fold_angles_deg"]
+__all__ = ["FLAT_ANGLE_DEG", "CreasePattern", "assignments", "crease_pattern", "fold_angles_deg"]
 
 # Creases that fold by less than this are flat (assignment F).
 FLAT_ANGLE_DEG = 1e-6

@@ -27,9 +27,9 @@ from fab.fineness import narrow_faces
 from fab.labels import engraved
 from fab.make import Made, Progress
 from fab.materials import Machine, Material, Speeds, perforation_for
-from fab.nesting import nest, sheets
+from fab.nesting import Placements, nest, sheets
 from fab.paths import CutPaths, Layer, Operation
-from fab.perforation import cut_layers
+from fab.perforation import crease_findings, cut_piece
 from fab.pieces import Piece, Pieces, SheetSplit, split
 from fab.tour import estimate, tour
 from fab.two_sided import Registration, how_to_turn, two_sided
@@ -80,17 +80,21 @@ def fabricate(
     findings: Sequence[Finding] = (),
     progress: Progress | None = None,
 ) -> Made:
-    """Files of all sheets on which `copies` of a pattern lie, and report.json.
+    """Files of all sheets on which `copies` of a pattern lie, and a report.
 
     pattern : in millimetres; findings : of its reader, told again in the report.
     registration : where given, creases are scored on the side that they open, and each sheet has a
         front and a back (`fab.two_sided`); the stock is as large as the bed.
     progress : called with (stage, steps done, steps in the stage).
 
-    The report lists sheets (file names, pierces, lengths in mm, minutes, share of the bed in use;
-    of two-sided ones each side, and how to turn them), pieces, and the seams in the order in which
-    they are glued. Raises `InvalidValue` where a face is larger than the bed, or a style does not
-    suit the kerf.
+    The report is the file `name`_report.json, so that it may lie beside the report of the job that
+    made the pattern. It lists sheets (file names, pierces, lengths in mm, minutes, share of the bed
+    in use; of two-sided ones each side, and how to turn them), pieces, and the seams in the order
+    in which they are glued. A seam has its number, length and fold angle, both pieces, which of
+    them (0 or 1) carries the tab, and of each the sheet and the middle of the edge there: of the
+    first copy, on the front.
+
+    Raises `InvalidValue` where a face is larger than the bed, or a style does not suit the kerf.
     """
     require_count("copies", copies, 1, "Ask for one copy or more.")
     tell = progress if progress is not None else lambda *_: None
@@ -103,7 +107,7 @@ def fabricate(
         mitre_mm=_CORNER_KERFS * machine.kerf_mm,
         tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
     )
-    pieces, found = split(pattern, room, machine.bed_mm)
+    pieces, found = split(pattern, room, machine.bed_mm, partial(tell, "split"))
     told += found
     if copies * len(pieces.pieces) > _MOST_PLACED:
         raise InvalidValue(
@@ -112,12 +116,14 @@ def fabricate(
             f"make at most {_MOST_PLACED} pieces",
             "Make several runs.",
         )
-    layers = []
+    layers, creases = [], []
     for number, piece in enumerate(pieces.pieces):
         tell("perforate", number, len(pieces.pieces))
-        drawn, found = cut_layers(piece.pattern, style, machine.kerf_mm)
-        told += found if len(pieces.pieces) == 1 else _of_piece(piece, found)
+        drawn, became, found = cut_piece(piece.pattern, style, machine.kerf_mm)
+        creases.append(replace(became, numbers=piece.edges[became.numbers]))
+        told += _of_piece(piece, found, alone=len(pieces.pieces) == 1)
         layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
+    told += crease_findings(creases, style.margin_mm, machine.kerf_mm)
     gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
     outlines = [_outline(drawn) for drawn in layers]
     tell("nest", 0, copies * len(outlines))
@@ -141,8 +147,8 @@ def fabricate(
                 **work,
             }
         )
-    report = _report(name, material, machine, copies, pieces, listed, files, told)
-    files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    report = _report(name, material, machine, copies, pieces, placements, listed, files, told)
+    files[f"{name}_report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     tell("write", 1, 1)
     return Made(files, report, tuple(told))
 
@@ -192,12 +198,12 @@ def _side(
     return files, {key: _round(value) for key, value in work.items()}
 
 
-def _of_piece(piece: Piece, findings: Sequence[Finding]) -> list[Finding]:
-    """Findings of a piece, with edges numbered as in the whole pattern."""
+def _of_piece(piece: Piece, findings: Sequence[Finding], *, alone: bool) -> list[Finding]:
+    """Findings of a piece, named unless it is alone, with edges numbered as in the pattern."""
     return [
         replace(
             finding,
-            text=f"piece {piece.name}: {finding.text}",
+            text=finding.text if alone else f"piece {piece.name}: {finding.text}",
             creases=tuple(int(piece.edges[e]) for e in finding.creases if piece.edges[e] >= 0),
         )
         for finding in findings
@@ -231,6 +237,7 @@ def _report(
     machine: Machine,
     copies: int,
     pieces: Pieces,
+    placements: Placements,
     listed: list[dict[str, Any]],
     files: dict[str, bytes],
     findings: Sequence[Finding],
@@ -244,16 +251,37 @@ def _report(
         "pieces": [
             {"name": piece.name, "faces": int((piece.faces >= 0).sum())} for piece in pieces.pieces
         ],
-        "glue_up": [
-            {"label": label, "pieces": [one, two], "length_mm": _round(length)}
-            for label, one, two, length in pieces.glue_up()
-        ],
+        "glue_up": _glue_up(pieces, placements),
         "outputs": [
             {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
             for file, data in files.items()
         ],
         "findings": [dataclasses.asdict(finding) for finding in findings],
     }
+
+
+def _glue_up(pieces: Pieces, placements: Placements) -> list[dict[str, Any]]:
+    """One row for each seam, in the order of assembling."""
+    placed = {item.piece: item for item in placements.items if item.copy == 0}
+    rows = []
+    for seam in pieces.seams:
+        at = []
+        for number, edge in zip(seam.pieces, seam.piece_edges, strict=True):
+            own, item = pieces.pieces[number].pattern, placed[number]
+            middle = own.vertices_coords[own.edges_vertices[edge]].mean(axis=0)
+            at.append([_round(x) for x in item.turn @ middle + item.shift])
+        rows.append(
+            {
+                "label": seam.label,
+                "length_mm": _round(seam.length_mm),
+                "fold_angle_deg": _round(seam.fold_angle_deg),
+                "pieces": [pieces.pieces[number].name for number in seam.pieces],
+                "tab": seam.tab,
+                "sheets": [placed[number].sheet + 1 for number in seam.pieces],
+                "at_mm": at,
+            }
+        )
+    return rows
 
 
 def _round(value: float) -> float:

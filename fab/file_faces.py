@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 import shapely
@@ -18,7 +18,6 @@ from scipy.sparse.csgraph import connected_components
 
 from fab.development import overlapping_faces
 from fab.errors import Finding, InvalidFile, Severity
-from fab.fold_file import frame_faces
 from fab.planar import enclosed_faces, first_abutting, first_crossing, without_dangling
 from fab.polygons import next_corner, ring_areas
 from solver.mesh import Edges
@@ -35,6 +34,7 @@ __all__ = [
     "rebuilt_faces",
     "refuse_abutting",
     "refuse_open",
+    "sides_of_crossed",
 ]
 
 _NAMED = 20
@@ -101,19 +101,42 @@ def listed(kind: str, numbers: IntArray) -> str:
     return f"{kind}{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers[:5]))}{more}"
 
 
+def sides_of_crossed(
+    coords: FloatArray, corners: IntArray, offsets: IntArray, pairs: IntArray
+) -> BoolArray:
+    """Which of the edges are sides of a face that crosses itself, shape (n,)."""
+    crossed = np.repeat(_are_crossed(coords, corners, offsets), np.diff(offsets))
+    sides = np.column_stack([corners, corners[next_corner(offsets)]])[crossed]
+    out: BoolArray = np.isin(
+        *(ends.min(axis=1) * len(coords) + ends.max(axis=1) for ends in (pairs, sides))
+    )
+    return out
+
+
+def _are_crossed(coords: FloatArray, corners: IntArray, offsets: IntArray) -> BoolArray:
+    own = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    rings = shapely.linearrings(coords[corners], indices=own)
+    out: BoolArray = ~shapely.is_valid(shapely.polygons(rings))
+    return out
+
+
 def given_faces(
-    lines: Lines, rows: Any, merged: IntArray, rounding: float, findings: list[Finding]
+    lines: Lines,
+    corners: IntArray,
+    offsets: IntArray,
+    merged: IntArray,
+    rounding: float,
+    findings: list[Finding],
 ) -> tuple[Faces, Lines]:
     """The faces that a file lists, all turned counterclockwise, and the lines that are left.
 
-    merged : for each vertex the one that stands for it. rounding : of the coordinates, mm. A face
-    has no area where its corners lie on a line but for rounding, however small the face is; it is
-    removed with the edges of no other face.
+    corners, offsets : of the faces as in the file. merged : for each vertex the one that stands for
+    it. rounding : of the coordinates, mm. A face has no area where its corners lie on a line but
+    for rounding, however small the face is; it is removed with the edges of no other face.
 
     Raises `InvalidFile` for faces that cross themselves or that are listed twice, and for two that
     lie on the same side of their common edge, as in a folded sheet.
     """
-    corners, offsets = frame_faces(lines.path, rows, len(lines.coords))
     count = len(offsets) - 1
     corners = merged[corners]
     own = np.repeat(np.arange(count), np.diff(offsets))
@@ -174,8 +197,7 @@ def _refuse_broken(lines: Lines, faces: Faces) -> None:
     if not len(faces.number):
         return
     own = np.repeat(np.arange(len(faces.number)), np.diff(faces.offsets))
-    shapes = shapely.polygons(shapely.linearrings(lines.coords[faces.corners], indices=own))
-    crossed = np.flatnonzero(~shapely.is_valid(shapes))
+    crossed = np.flatnonzero(_are_crossed(lines.coords, faces.corners, faces.offsets))
     if len(crossed):
         raise InvalidFile(
             f"{lines.path}: {listed('face', faces.number[crossed])}: the sides cross or touch "

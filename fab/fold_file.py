@@ -1,4 +1,4 @@
-"""How is a crease pattern written to, and read from, the FOLD format?
+"""How is a crease pattern written to the FOLD format, and which frames does a FOLD file have?
 
 Specification: https://github.com/edemaine/fold/blob/main/doc/spec.md (version 1.2).
 """
@@ -6,42 +6,48 @@ Specification: https://github.com/edemaine/fold/blob/main/doc/spec.md (version 1
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fab.crease import CreasePattern, assignments, fold_angles_deg
+from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import InvalidFile
-from fab.polygons import ring_areas
+from fab.face_orders import face_orders
 from solver.errors import InvalidValue
-from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray
 
 __all__ = [
-    "FULLY_FOLDED",
+    "Frames",
+    "State",
     "flat_coords",
     "fold_bytes",
     "frame_coords",
     "frame_faces",
     "frame_list",
-    "read_fold",
     "read_frames",
 ]
 
+# A folded shape by its title and points, shape (nv, 3), mm.
+State = tuple[str, FloatArray]
+
 # A file over this is refused before it is parsed: it would not fit into memory several times.
 _LARGEST_BYTES = 2_000_000_000
+# Tells a simulated state from the folded form; keys with a colon are left to programs.
+_STATE = "quadfold:state"
 
 
-# What a crease without an angle (null) folds by, degrees, by its letter.
-FULLY_FOLDED = {"M": -180.0, "V": 180.0}
+def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ()) -> bytes:
+    """The FOLD file: the crease pattern as key frame, then the folded form and states on the way.
 
+    states : titles and points (nv, 3), mm, each with the fold angles that it has (cuts have none).
+        Raises `InvalidValue` for points that do not fit, or faces without area.
 
-def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
-    """The FOLD file: the crease pattern as key frame, the folded form as second frame.
-
-    Coordinates are written with all digits, so that reading gives the same arrays back.
+    Coordinates are written with all digits, so that reading gives the same arrays back. A folded
+    form that lies in a plane has `faceOrders`, for the pairs that `fab.face_orders` can tell.
     """
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     corners = pattern.faces_vertices.tolist()
@@ -50,7 +56,7 @@ def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
         "file_spec": 1.2,
         "file_creator": "quadfold",
         "file_title": title,
-        "file_classes": ["singleModel"],
+        "file_classes": ["animation"] if states else ["singleModel"],
         "frame_title": "crease pattern",
         "frame_classes": ["creasePattern"],
         "frame_attributes": ["2D"],
@@ -61,76 +67,100 @@ def fold_bytes(pattern: CreasePattern, title: str) -> bytes:
         "edges_foldAngle": pattern.edges_foldAngle.tolist(),
         "faces_vertices": [corners[i:j] for i, j in pairwise(bounds)],
     }
+    frames = []
     if pattern.folded_coords is not None:
-        document["file_frames"] = [
-            {
-                "frame_title": "folded form",
-                "frame_classes": ["foldedForm"],
-                "frame_attributes": ["3D"],
-                "frame_unit": "mm",
-                "frame_parent": 0,
-                "frame_inherit": True,
-                "vertices_coords": pattern.folded_coords.tolist(),
-            }
-        ]
+        frame = _folded_frame("folded form", pattern.folded_coords)
+        orders = face_orders(pattern)
+        frames.append({**frame, "faceOrders": orders.tolist()} if len(orders) else frame)
+    for name, coords in states:
+        _require_points(name, coords, len(flat))
+        angles = _angles_of(pattern, coords).tolist()
+        frames.append({**_folded_frame(name, coords), _STATE: True, "edges_foldAngle": angles})
+    if frames:
+        document["file_frames"] = frames
     lines = [f"{json.dumps(key)}: {_value(value)}" for key, value in document.items()]
     return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def _folded_frame(title: str, coords: FloatArray) -> dict[str, Any]:
+    return {
+        "frame_title": title,
+        "frame_classes": ["foldedForm"],
+        "frame_attributes": ["3D"],
+        "frame_unit": "mm",
+        "frame_parent": 0,
+        "frame_inherit": True,
+        "vertices_coords": coords.tolist(),
+    }
+
+
+def _require_points(title: str, coords: FloatArray, count: int) -> None:
+    if coords.shape != (count, 3):
+        cure = "Give a point for each vertex of the pattern."
+        raise InvalidValue(f"state {title!r}", coords.shape, f"have the shape ({count}, 3)", cure)
+    bad = np.flatnonzero(~np.isfinite(coords).all(axis=1))
+    if len(bad):
+        cure = "Leave states out that did not come to rest."
+        raise InvalidValue(f"state {title!r}", f"vertex {bad[0]}", "be finite", cure)
+
+
+def _angles_of(pattern: CreasePattern, coords: FloatArray) -> FloatArray:
+    """Fold angles of a state, with the signs of the letters where it is folded flat."""
+    letters = pattern.edges_assignment
+    angles = fold_angles_deg(coords, pattern.edges, pattern.faces_vertices, pattern.faces_offsets)
+    angles[(letters == "M") & (angles == 180.0)] = -180.0
+    angles[letters == "C"] = 0.0
+    return angles
 
 
 def _value(value: object) -> str:
     return json.dumps(value, separators=(",", ":"), allow_nan=False)
 
 
-def read_fold(path: Path) -> CreasePattern:
-    """Read a FOLD file with a flat frame, faces, and (where there is one) a folded frame.
+@dataclass(frozen=True)
+class Frames:
+    """Frames of a file, each with what it inherits.
 
-    The key frame, or the first frame of class creasePattern, is the flat sheet; the first frame of
-    class foldedForm is the folded form. Without `edges_foldAngle` the angles are those of the
-    folded form. Raises `InvalidFile` with the place and the cure.
+    Attributes
+    ----------
+    title : of the file; empty where it has none.
+    flat, folded : frames of the flat sheet, and of the folded form where there is one.
+    states : other folded frames, in the order of the file.
     """
-    flat, folded = read_frames(path)
-    coords = flat_coords(path, flat)
-    if "faces_vertices" not in flat:
-        raise InvalidFile(f"{path}: faces_vertices is missing. Export the file with its faces.")
-    corners, offsets = frame_faces(path, flat["faces_vertices"], len(coords))
-    corners = _counterclockwise(path, coords, corners, offsets)
-    try:
-        edges = edges_of(corners, offsets)
-        folded_coords = None if folded is None else frame_coords(path, folded, "folded form")
-        if folded_coords is not None and len(folded_coords) != len(coords):
-            raise InvalidFile(
-                f"{path}: the folded form has {len(folded_coords)} vertices, the crease pattern "
-                f"{len(coords)}. Both frames must name the same vertices."
-            )
-        angle = _stored_angles(path, flat, edges.edges_vertices)
-        if angle is None:
-            if folded_coords is None:
-                raise InvalidFile(
-                    f"{path}: neither edges_foldAngle nor a folded form. Add one of them."
-                )
-            angle = fold_angles_deg(folded_coords, edges, corners, offsets)
-    except InvalidValue as error:
-        raise InvalidFile(f"{path}: {error}") from error
-    return CreasePattern(
-        np.ascontiguousarray(coords[:, :2]),
-        edges.edges_vertices,
-        edges.edges_faces,
-        assignments(angle, edges),
-        angle,
-        corners,
-        offsets,
-        folded_coords,
-    )
+
+    title: str
+    flat: dict[str, Any]
+    folded: dict[str, Any] | None
+    states: tuple[dict[str, Any], ...]
 
 
-def read_frames(path: Path) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """The frame of the flat sheet, and that of the folded form where there is one."""
+def read_frames(path: Path) -> Frames:
+    """The frames of a file: the flat sheet is the first of class creasePattern, or else the first
+    one with points that is no folded form; the folded form is the first of class foldedForm.
+
+    Raises `InvalidFile` for what is no FOLD file, and one without a flat sheet.
+    """
     document = _load(path)
-    frames = [document, *frame_list(path, document, "file_frames", [])]
-    resolved = _resolved(path, frames)
-    flat = _first(resolved, "creasePattern") or resolved[0]
-    folded = _first(resolved, "foldedForm")
-    return flat, None if folded is flat else folded
+    frames = _resolved(path, [document, *frame_list(path, document, "file_frames", [])])
+    title = document.get("file_title")
+    folded = [frame for frame in frames if _is(frame, "foldedForm")]
+    sheets = [frame for frame in frames if _is(frame, "creasePattern")]
+    if not sheets:
+        sheets = [f for f in frames if not _is(f, "foldedForm") and "vertices_coords" in f]
+    if not sheets and folded:
+        raise InvalidFile(
+            f"{path}: no flat frame: every frame is a folded form. Give a frame of class "
+            "creasePattern with flat coordinates."
+        )
+    flat = sheets[0] if sheets else frames[0]
+    folded = [frame for frame in folded if frame is not flat]
+    final = next((frame for frame in folded if _STATE not in frame), None)
+    states = tuple(frame for frame in folded if frame is not final)
+    return Frames(title if isinstance(title, str) else "", flat, final, states)
+
+
+def _is(frame: dict[str, Any], wanted: str) -> bool:
+    return wanted in frame.get("frame_classes", [])
 
 
 def flat_coords(path: Path, flat: dict[str, Any]) -> FloatArray:
@@ -201,10 +231,6 @@ def _resolved(path: Path, frames: list[Any]) -> list[dict[str, Any]]:
     return [done[index] for index in range(len(frames))]
 
 
-def _first(frames: list[dict[str, Any]], wanted: str) -> dict[str, Any] | None:
-    return next((frame for frame in frames if wanted in frame.get("frame_classes", [])), None)
-
-
 def frame_coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
     """The points of a frame, shape (nv, 3); z = 0 where they are plane."""
     rows = frame_list(path, frame, "vertices_coords", [])
@@ -243,58 +269,3 @@ def frame_faces(path: Path, faces: Any, count: int) -> tuple[IntArray, IntArray]
             raise InvalidFile(f"{path}: face {number} passes a vertex twice.")
     offsets = np.concatenate([[0], np.cumsum([len(face) for face in faces])])
     return np.array([v for face in faces for v in face], np.int64), offsets.astype(np.int64)
-
-
-def _counterclockwise(
-    path: Path, coords: FloatArray, corners: IntArray, offsets: IntArray
-) -> IntArray:
-    """Faces wound counterclockwise in the flat frame, turned around where all are clockwise."""
-    areas = ring_areas(coords[corners, :2], offsets)
-    if (areas > 0).all():
-        return corners
-    if (areas < 0).all():
-        place = np.arange(len(corners))
-        sizes = np.diff(offsets)
-        first, last = np.repeat(offsets[:-1], sizes), np.repeat(offsets[1:] - 1, sizes)
-        turned: IntArray = corners[first + last - place]
-        return turned
-    face = int(np.flatnonzero(areas <= 0)[0])
-    raise InvalidFile(
-        f"{path}: face {face} has the area {areas[face]:.6g}; all faces must have area and be "
-        "counterclockwise. Turn it around, or remove it."
-    )
-
-
-def _stored_angles(path: Path, frame: dict[str, Any], wanted: IntArray) -> FloatArray | None:
-    """The file's own fold angles in the order of `wanted`; None where it stores none."""
-    if "edges_foldAngle" not in frame:
-        return None
-    pairs = frame_list(path, frame, "edges_vertices", [])
-    angles = frame_list(path, frame, "edges_foldAngle", [])
-    if len(pairs) != len(angles):
-        raise InvalidFile(
-            f"{path}: {len(angles)} entries of edges_foldAngle for {len(pairs)} edges."
-        )
-    letters = frame_list(path, frame, "edges_assignment", ["U"] * len(pairs))
-    if len(letters) != len(pairs):
-        raise InvalidFile(f"{path}: {len(letters)} edges_assignment for {len(pairs)} edges.")
-    known: dict[tuple[int, int], float] = {}
-    for number, (pair, angle) in enumerate(zip(pairs, angles, strict=True)):
-        if not isinstance(pair, list) or len(pair) != 2 or not all(type(v) is int for v in pair):
-            raise InvalidFile(f"{path}: edge {number} must have two vertex numbers.")
-        value = FULLY_FOLDED.get(str(letters[number]), 0.0) if angle is None else angle
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, int | float)
-            or not -180 <= value <= 180
-        ):
-            raise InvalidFile(
-                f"{path}: fold angle {angle} of edge {number} must lie from -180 to 180 degrees."
-            )
-        known[min(pair), max(pair)] = float(value)
-    out = np.empty(len(wanted))
-    for i, (one, two) in enumerate(wanted.tolist()):
-        if (min(one, two), max(one, two)) not in known:
-            raise InvalidFile(f"{path}: edges_vertices lacks the side ({one}, {two}) of a face.")
-        out[i] = known[min(one, two), max(one, two)]
-    return out

@@ -13,6 +13,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fab.bodies import TriangleMesh, prism_meshes
+from fab.closure import closure_gaps_deg
 from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import Finding, Severity
 from fab.hinges import Webs
@@ -25,6 +26,7 @@ __all__ = [
     "SolidFigures",
     "inspect_accuracy",
     "inspect_angles",
+    "inspect_closure",
     "inspect_crossings",
     "inspect_solids",
     "measure_pattern",
@@ -34,6 +36,8 @@ __all__ = [
 _OVERLAP_MM3 = 1e-6
 # Fold angles measured on short edges lose digits; a wrong crease is off by far more.
 _ANGLE_DEG = 1e-3
+# Files have their angles with a few digits, and each vertex has several of them.
+_CLOSURE_DEG = 1e-2
 # Clearance may fall short of the gap by rounding alone.
 _CLEARANCE_SHARE = 0.97
 
@@ -99,7 +103,10 @@ def inspect_accuracy(accuracy: Accuracy, tolerance: float) -> list[Finding]:
 
 
 def inspect_angles(pattern: CreasePattern) -> list[Finding]:
-    """A finding where stored fold angles differ from those of the folded form."""
+    """A finding where stored fold angles differ from those of the folded form.
+
+    Cuts, and creases that end within a face, have none there.
+    """
     if pattern.folded_coords is None:
         return []
     measured = fold_angles_deg(
@@ -107,6 +114,8 @@ def inspect_angles(pattern: CreasePattern) -> list[Finding]:
     )
     turn = np.abs(measured - pattern.edges_foldAngle)
     off = np.minimum(turn, 360 - turn)
+    one, two = pattern.edges_faces.T
+    off[(one == two) | (pattern.edges_assignment == "C")] = 0.0
     wrong = np.flatnonzero(off > _ANGLE_DEG)
     if not len(wrong):
         return []
@@ -119,6 +128,25 @@ def inspect_angles(pattern: CreasePattern) -> list[Finding]:
             f"degrees; worst is edge {worst}: {pattern.edges_foldAngle[worst]:.6g} stored, "
             f"{measured[worst]:.6g} folded.",
             creases=tuple(wrong[:20].tolist()),
+        )
+    ]
+
+
+def inspect_closure(pattern: CreasePattern) -> list[Finding]:
+    """A finding where the fold angles around a vertex do not close."""
+    gaps = np.nan_to_num(closure_gaps_deg(pattern))
+    wrong = np.flatnonzero(gaps > _CLOSURE_DEG)
+    if not len(wrong):
+        return []
+    worst = int(np.argmax(gaps))
+    x, y = pattern.vertices_coords[worst]
+    return [
+        Finding(
+            "angles-open",
+            Severity.WARNING,
+            f"the fold angles around {len(wrong)} vertices do not close by over {_CLOSURE_DEG:g} "
+            f"degrees; worst is vertex {worst} at ({x:.6g}, {y:.6g}) mm, by {gaps[worst]:.4g} "
+            "degrees. Faces cannot stay flat there: change its angles, or add a crease.",
         )
     ]
 

@@ -14,15 +14,28 @@ from matplotlib.textpath import TextPath
 from fab.paths import Layer, Operation
 from solver.vectors import FloatArray
 
-__all__ = ["Label", "engraved", "fitted", "highest", "text_outlines", "text_width"]
+__all__ = [
+    "Label",
+    "engraved",
+    "fitted",
+    "highest",
+    "number_text",
+    "text_outlines",
+    "text_width",
+]
 
 # The sans serif font that comes with matplotlib, so that every machine writes alike.
 _FONT = FontProperties(family="DejaVu Sans")
 # Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
 _EM = 100.0
+# The larger of two labels that lie over each other becomes lower by this.
 _SHRINK = 0.8
+# Over the size of a room: nearer to the line that a text stands on is on it.
+_ON_SIDE_REL = 1e-9
 # Height of the box that a text keeps free, in heights of its letters.
 _BOX_HEIGHT = 1.2
+# Digits that are digits when turned by half a turn.
+_TURNED = str.maketrans("01689", "01986")
 
 
 @dataclass(frozen=True)
@@ -40,6 +53,14 @@ class Label:
     at: tuple[float, float]
     height_mm: float
     angle_deg: float
+
+
+def number_text(number: int) -> str:
+    """A number to be engraved, with a full stop where another one is read upside down: "6."."""
+    text = str(number)
+    turned = text[::-1].translate(_TURNED)
+    other = set(text) <= set("01689") and turned != text and turned[0] != "0"
+    return f"{text}." if other else text
 
 
 @cache
@@ -87,19 +108,33 @@ def engraved(labels: Sequence[Label]) -> Layer:
     return Layer(Operation.ENGRAVE, outlines=tuple(outlines))
 
 
-def highest(text: str, middle: FloatArray, slant: float, room: shapely.Polygon) -> float:
-    """Height of the highest text that lies in a room with its middle where it is."""
+def highest(
+    text: str, anchor: FloatArray, slant: float, room: shapely.Polygon, hang: float = 0.0
+) -> float:
+    """Height up to which a text grows from its anchor before it leaves a room.
+
+    slant : direction of the text, radians. hang : distance of its middle from its anchor, to the
+    left, in heights. A text of no height at the anchor, or beside it, must lie in the room.
+    """
     c, s = np.cos(slant), np.sin(slant)
-    half = np.array([0.5 * _box_width(text), _BOX_HEIGHT / 2])
-    ring = (shapely.get_coordinates(room.exterior) - middle) @ np.array([[c, -s], [s, c]]) / half
-    # along a side the larger of |x| and |y| is least at an end or where x = 0, y = 0 or x = +-y
-    normals = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
+    low, top = hang - _BOX_HEIGHT / 2, hang + _BOX_HEIGHT / 2
+    ring = (shapely.get_coordinates(room.exterior) - anchor) @ np.array([[c, -s], [s, c]])
+    ring[:, 0] /= 0.5 * _box_width(text)
+    # a text of height h is the box |x| <= h, low h <= y <= top h: along a side of the room the
+    # least h that reaches a point is at an end of the side or where two of these are equal
+    normals = np.array([[1, 0], [0, 1], [low, 1], [low, -1], [top, 1], [top, -1]])
     start, end = ring[:-1] @ normals.T, ring[1:] @ normals.T
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.nan_to_num(start / (start - end), nan=0.0, posinf=0.0, neginf=0.0)
     share = np.clip(np.column_stack([share, np.zeros(len(start)), np.ones(len(start))]), 0, 1)
     points = ring[:-1, None] + share[..., None] * np.diff(ring, axis=0)[:, None]
-    return float(np.abs(points).max(axis=2).min())
+    x, y = np.abs(points[..., 0]), points[..., 1]
+    reached = np.maximum(x, y / top)
+    if low < 0:
+        return float(np.maximum(reached, y / low).min())
+    # the text stands off its anchor, and passes what lies below it
+    met = (y > _ON_SIDE_REL * np.abs(ring).max()) & (low * x <= y * (1 + _ON_SIDE_REL))
+    return float(reached[met].min(initial=np.inf))
 
 
 def _box_width(text: str) -> float:
@@ -115,7 +150,7 @@ def fitted(
     hang: FloatArray,
     least_mm: float,
 ) -> tuple[Label | None, ...]:
-    """Labels as high as asked for, or smaller until each lies in its room and clear of the others.
+    """Labels as high as asked for or as their rooms let them be, or lower, clear of each other.
 
     Where one would be lower than `least_mm` there is none.
 
@@ -127,28 +162,25 @@ def fitted(
     least_mm : the least height, greater than 0.
     hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
     """
-    height = np.array(height_mm, float)
+    grown = [highest(*one) for one in zip(texts, anchors, angles, rooms, hang, strict=True)]
+    height = np.minimum(height_mm, grown)
     if not len(height):
         return ()
     width = np.array([_box_width(text) for text in texts])
     u = np.column_stack([np.cos(angles), np.sin(angles)])
     v = np.column_stack([-u[:, 1], u[:, 0]])
-    space = np.asarray(rooms)
-    shapely.prepare(space)
     written = height >= least_mm
     while True:
         middle = anchors + (hang * height)[:, None] * v
         x, y = (0.5 * width * height)[:, None] * u, (_BOX_HEIGHT / 2 * height)[:, None] * v
         ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
         boxes = shapely.polygons(ring)
-        bad = written & ~shapely.covers(space, boxes)
         one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
         # the larger of two gives way first
         clash = (one != two) & written[one] & written[two] & (height[one] >= height[two])
-        bad[one[clash]] = True
-        if not bad.any():
+        if not clash.any():
             break
-        height[bad] *= _SHRINK
+        height[np.unique(one[clash])] *= _SHRINK
         written &= height >= least_mm
     return tuple(
         Label(text, (x, y), h, angle) if there else None

@@ -10,6 +10,7 @@ The flow, and the only place where its branches join:
 from __future__ import annotations
 
 import dataclasses
+import errno
 import hashlib
 import json
 import math
@@ -41,6 +42,13 @@ __all__ = ["Format", "Made", "Progress", "make", "require_folder", "write"]
 
 # A sheet that covers less of its surface is told of.
 _COVERED = 0.95
+
+# What helps where files cannot be written.
+_CURES = {
+    errno.ENAMETOOLONG: "Give the file that they are made from, or --out, a shorter name.",
+    errno.ENOSPC: "Free some space, or choose another --out.",
+    errno.EDQUOT: "Free some space, or choose another --out.",
+}
 
 Progress = Callable[[str, int, int], None]
 
@@ -261,8 +269,9 @@ def _overlap_findings(development: Development) -> list[Finding]:
             "development-overlaps",
             Severity.ERROR,
             f"the flat sheet overlaps itself: {len(pairs)} pairs of faces share area, the first "
-            f"are {pairs[0][0]} and {pairs[0][1]}. It cannot be cut from one sheet: grow fewer "
-            "columns or strips, or change the angles.",
+            f"are {pairs[0][0]} and {pairs[0][1]}. It cannot be cut or printed as one sheet: "
+            "`quadfold fabricate` cuts its FOLD file into pieces for a laser cutter; for panels, "
+            "grow fewer columns or strips, or change the angles.",
             panels=tuple(sorted({int(face) for face in pairs[:10].ravel()})),
         )
     ]
@@ -285,11 +294,20 @@ def _version() -> str:
 
 def require_folder(folder: Path) -> None:
     """Raise `InvalidJob` unless `folder` is a writable folder, or can become one."""
-    existing = next(p for p in [folder, *folder.absolute().parents] if p.exists())
+    try:
+        existing = next(p for p in [folder, *folder.absolute().parents] if p.exists())
+    except OSError as error:
+        raise _unwritten(folder, error) from error
     if not existing.is_dir():
         raise InvalidJob(f"{folder}: {existing} is a file, not a folder. Choose another --out.")
     if not os.access(existing, os.W_OK | os.X_OK):
         raise InvalidJob(f"{folder}: no permission to write in {existing}. Choose another --out.")
+
+
+def _unwritten(folder: Path, error: OSError) -> InvalidJob:
+    cure = _CURES.get(error.errno or 0, "Choose another --out.")
+    why = error.strerror or error
+    return InvalidJob(f"{folder}: cannot be written: {why}. No half file was left. {cure}")
 
 
 def write(made: Made, folder: Path) -> None:
@@ -299,12 +317,12 @@ def write(made: Made, folder: Path) -> None:
     leaves no half file under a final name. Raises `InvalidJob` where the folder cannot take them.
     """
     require_folder(folder)
-    for name in made.files:
-        if (folder / name).is_dir():
-            raise InvalidJob(f"{folder / name} is a folder. Move it, or choose another --out.")
     fresh = [p for p in [folder, *folder.absolute().parents] if not p.exists()]
     beside: Path | None = None
     try:
+        for name in made.files:
+            if (folder / name).is_dir():
+                raise InvalidJob(f"{folder / name} is a folder. Move it, or choose another --out.")
         folder.mkdir(parents=True, exist_ok=True)
         beside = Path(tempfile.mkdtemp(prefix=".quadfold-", dir=folder))
         for name, data in made.files.items():
@@ -313,10 +331,7 @@ def write(made: Made, folder: Path) -> None:
             (beside / name).replace(folder / name)
         fresh = []
     except OSError as error:
-        raise InvalidJob(
-            f"{folder}: cannot be written: {error.strerror or error}. No half file was left; "
-            "free some space, or choose another --out."
-        ) from error
+        raise _unwritten(folder, error) from error
     finally:
         if beside is not None:
             shutil.rmtree(beside, ignore_errors=True)

@@ -2,7 +2,8 @@
 
 Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons, a batch at
 a time: what it takes goes with the square of all corners in it. What it answers is checked here;
-where it does not hold, boxes side by side, or one piece alone, do.
+where it does not hold, boxes side by side, or one piece alone, do. What is left may lie in the gaps
+between (`fab.gaps`).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 import shapely
 import u_nesting
 
+from fab.gaps import Gaps
 from fab.paths import CutPaths, Layer, joined
 from solver.errors import InvalidValue, require_count, require_number, require_positive
 from solver.vectors import FloatArray, IntArray
@@ -104,7 +106,8 @@ class _Spot:
     shift: FloatArray
 
 
-# What was placed of how many of each piece in a rectangle of which size: sheets repeat.
+# What was placed of how many of each piece in a rectangle of which size, or between what: sheets
+# repeat.
 _Known = dict[tuple[bytes, bytes], list[_Spot]]
 
 
@@ -278,7 +281,7 @@ def _sheet(
     """One sheet, what lies on it taken from those that are left.
 
     Each batch lies in the larger of the two rectangles that the one before left free, beside it or
-    above. The first that is not placed whole is the last.
+    above. The first that is not placed whole is the last. Then come the gaps between all that lies.
     """
     spots: list[_Spot] = []
     corner, free = np.zeros(2), room
@@ -298,7 +301,43 @@ def _sheet(
         corner, free = corner.copy(), free.copy()
         corner[axis] += taken[axis]
         free[axis] = rest[axis]
+    if left.any():
+        area = np.array([piece.outline.area for piece in pieces])
+        free_area = room.prod() - area[[spot.piece for spot in spots]].sum()
+        offered = np.minimum(left, (free_area / area).astype(int))
+        lying = np.array([[spot.piece, *spot.turn.ravel(), *spot.shift] for spot in spots])
+        key = offered.tobytes(), lying.tobytes()
+        if key not in known:
+            known[key] = _between(pieces, order, offered, room, gap_mm, spots)
+        more = known[key]
+        left -= np.bincount([spot.piece for spot in more], minlength=len(pieces))
+        spots += more
+        if more:
+            tell()
     return spots
+
+
+def _between(
+    pieces: list[_Piece],
+    order: IntArray,
+    left: IntArray,
+    room: FloatArray,
+    gap_mm: float,
+    spots: list[_Spot],
+) -> list[_Spot]:
+    """What lies in the gaps of a sheet of those pieces that are left, the largest first."""
+    filled = [shapely.Polygon(shape.exterior) for shape in _lying(pieces, spots)]
+    gaps = Gaps(filled, room, gap_mm)
+    more = []
+    for number in order[left[order] > 0].tolist():
+        turns = pieces[number].turns
+        turned = _lying(pieces, [_Spot(number, turn, np.zeros(2)) for turn in turns])
+        for _ in range(left[number]):
+            place = gaps.place(turned)
+            if place is None:
+                break
+            more.append(_Spot(number, turns[place[0]], place[1]))
+    return more
 
 
 def _offer(pieces: list[_Piece], order: IntArray, left: IntArray, free: FloatArray) -> IntArray:

@@ -7,9 +7,9 @@ Runs are as long as they may be, so that few are needed, and then made even.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -230,11 +230,13 @@ def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArra
     return np.array([[c[best], s[best]], [-s[best], c[best]]]), bool(fits.any())
 
 
-def partition(sheet: Sheet) -> list[IntArray]:
+def partition(sheet: Sheet, progress: Callable[[int, int], None] | None = None) -> list[IntArray]:
     """Sets of faces, each joined, free of overlaps and within the room; the faces of each rise.
 
     A set may have holes, but its outline nowhere touches itself in a vertex. As few sets as the
     search finds, then of areas as even as it finds; in the order of their first faces.
+
+    progress : called with the number of faces set apart, and of all.
 
     Raises `InvalidValue` for a face that overlaps itself or that the bed has no room for.
     """
@@ -248,12 +250,20 @@ def partition(sheet: Sheet) -> list[IntArray]:
             "Remove degenerate faces, and turn those seen from below around.",
         )
     pieces: list[IntArray] = []
+    done = 0
+
+    def tell(part: IntArray, share: float) -> None:
+        if progress is not None:
+            progress(done + int(share * len(part)), faces.count)
+
     for part in faces.components(np.arange(faces.count)):
         if faces.valid(part):
             pieces.append(part)
-            continue
-        _require_room(faces, part)
-        pieces += _divided(faces, part)
+        else:
+            _require_room(faces, part)
+            pieces += _divided(faces, part, partial(tell, part))
+        tell(part, 1.0)
+        done += len(part)
     pieces = _evened(faces, _unpinched(faces, pieces))
     return sorted(pieces, key=lambda piece: int(piece[0]))
 
@@ -283,39 +293,53 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
             )
 
 
-def _divided(faces: _Faces, part: IntArray) -> list[IntArray]:
-    """The best of several ways to cut a joined set into valid ones."""
+def _divided(
+    faces: _Faces, part: IntArray, tell: Callable[[float], None] = lambda _: None
+) -> list[IntArray]:
+    """The best of several ways to cut a joined set into valid ones.
+
+    tell : called with the share of the ways that were tried.
+    """
     best: list[IntArray] = []
     rank: tuple[float, ...] = ()
     room = faces.sheet.room_mm[0] * faces.sheet.room_mm[1]
-    for way in _ways(faces, part):
+    ways = _ways(faces, part)
+    for number, cut in enumerate(ways):
+        way = cut()
         sets = _merged(faces, way) if len(way) > np.ceil(faces.areas[part].sum() / room) else way
         areas = np.array([faces.areas[one].sum() for one in sets])
         new = (len(sets), float(areas.max() / areas.mean()))
         if not best or new < rank:
             best, rank = sets, new
+        tell((number + 1) / len(ways))
     return best
 
 
-def _ways(faces: _Faces, part: IntArray) -> Iterator[list[IntArray]]:
+def _ways(faces: _Faces, part: IntArray) -> list[Callable[[], list[IntArray]]]:
     """Columns across the sheet, each cut into rows; or runs away from the sheet's far end."""
     turn, _ = upright(extent(faces.sheet, part), faces.sheet.room_mm)
-    for across in (0, 1):
-        for limit in sorted(set(faces.sheet.room_mm), reverse=True):
 
-            def narrow(
-                run: IntArray, axis: FloatArray = turn[across], width: float = limit
-            ) -> bool:
-                return bool(np.ptp(extent(faces.sheet, run) @ axis) <= width * (1 + _SLACK_REL))
+    def in_columns(axis: FloatArray, along: FloatArray, width: float) -> list[IntArray]:
+        def narrow(run: IntArray) -> bool:
+            return bool(np.ptp(extent(faces.sheet, run) @ axis) <= width * (1 + _SLACK_REL))
 
-            columns = _runs(faces, part, faces.centres[part] @ turn[across], narrow, np.inf)
-            yield [
-                piece
-                for run in columns
-                for column in faces.components(run)
-                for piece in _valid_runs(faces, column, faces.centres[column] @ turn[1 - across])
-            ]
-    yield _valid_runs(faces, part, _distances(faces, part))
+        columns = _runs(faces, part, faces.centres[part] @ axis, narrow, np.inf)
+        return [
+            piece
+            for run in columns
+            for column in faces.components(run)
+            for piece in _valid_runs(faces, column, faces.centres[column] @ along)
+        ]
+
+    widths = sorted(set(faces.sheet.room_mm), reverse=True)
+    return [
+        *(
+            partial(in_columns, turn[axis], turn[1 - axis], width)
+            for axis in (0, 1)
+            for width in widths
+        ),
+        lambda: _valid_runs(faces, part, _distances(faces, part)),
+    ]
 
 
 def _valid_runs(faces: _Faces, part: IntArray, field: FloatArray) -> list[IntArray]:

@@ -1,21 +1,22 @@
 """Which crease pattern does a FOLD file of any program hold, and what had to be repaired?
 
-For cutting: no folded form is needed. What can be meant in one way only is repaired, with a finding
-that names the edges by their numbers in the file; the rest is refused.
+No folded form is needed. What can be meant in one way only is repaired, with a finding that names
+the edges by their numbers in the file; the rest is refused.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fab.crease import CreasePattern
+from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import Finding, InvalidFile, Severity
 from fab.file_faces import (
+    Faces,
     Letters,
     Lines,
     faces_around,
@@ -25,9 +26,11 @@ from fab.file_faces import (
     rebuilt_faces,
     refuse_abutting,
     refuse_open,
+    sides_of_crossed,
 )
 from fab.fold_file import (
-    FULLY_FOLDED,
+    Frames,
+    State,
     flat_coords,
     frame_coords,
     frame_faces,
@@ -35,64 +38,114 @@ from fab.fold_file import (
     read_frames,
 )
 from fab.polygons import next_corner
-from solver.errors import require_positive
-from solver.mesh import edges_of
+from solver.errors import InvalidValue, require_positive
+from solver.mesh import Edges, edges_of
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["read_pattern"]
+__all__ = ["PatternFile", "pattern_of", "read_pattern", "read_pattern_file"]
 
 # FOLD 1.2, frame_unit.
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4, "pt": 25.4 / 72, "um": 1e-3, "nm": 1e-6}
 _LETTERS = "BMVFUCJ"
+# Stands for the letter of an edge in a file without letters, until its fold angle is known.
+_UNLETTERED = "?"
 # Which of two letters of the same edge says more.
-_RANK = {letter: rank for rank, letter in enumerate("JUFVMCB")}
+_RANK = {letter: rank for rank, letter in enumerate(_UNLETTERED + "JUFVMCB")}
 # Over the diagonal: points nearer to each other, or to a line, lie on it.
 _SAME = 1e-8
 # Over the largest coordinate, well above its last digit: what the file's own faces keep apart by
 # more than this stays apart.
 _ROUNDING = 1e-12
 _NAMED = 20
+# Findings about what is as it was written.
+_NO_REPAIRS = ("crease-dangling", "sheet-overlaps")
+# What a crease without an angle (null) folds by, degrees, by its letter.
+_FULLY_FOLDED = {"M": -180.0, "V": 180.0}
+# The side to which a crease folds cannot be measured this near to 180 degrees.
+_SIDELESS_DEG = 1e-3
+
+
+@dataclass(frozen=True)
+class PatternFile:
+    """What was read from a file.
+
+    Attributes
+    ----------
+    title : of the file; empty where it has none.
+    states : other folded shapes than the folded form, by their titles, in mm.
+    findings : what was repaired, assumed or noticed.
+    """
+
+    title: str
+    pattern: CreasePattern
+    states: tuple[State, ...]
+    findings: tuple[Finding, ...]
 
 
 def read_pattern(
-    path: str | Path, mm_per_unit: float = 1.0
+    path: str | Path, mm_per_unit: float = 1.0, *, strict: bool = False
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
+    """The pattern and findings of `read_pattern_file`."""
+    read = read_pattern_file(path, mm_per_unit, strict=strict)
+    return read.pattern, read.findings
+
+
+def read_pattern_file(
+    path: str | Path, mm_per_unit: float = 1.0, *, strict: bool = False
+) -> PatternFile:
     """Read the flat sheet of a FOLD file, in millimetres, its lower left corner at the origin.
 
     mm_per_unit : size of a unit in files that name none.
+    strict : raise `InvalidFile` with the text of the first finding where anything is repaired or
+        assumed.
 
     The faces that a file lists may lie over each other; `fab.pieces` sets them apart. Without them
-    they are found between the edges.
+    they are found between the edges. Fold angles that a file lacks are those of its folded form;
+    where there is none, mountains and valleys fold by 180 degrees.
 
     Raises `InvalidFile` with the place and the cure, among others for faces that cross themselves,
-    creases that cross where no faces are listed, outlines that are open, and two letters for one
-    edge that exclude each other. Codes of the findings:
+    edges with more than two faces, creases that cross where no faces are listed, outlines that are
+    open, fold angles beyond 180 degrees, and two letters for one edge that exclude each other.
+    Codes of the findings:
     "unit-unknown", "edges-missing", "assignment-missing", "assignment-unknown",
-    "fold-angle-missing", "fold-angle-contradicts", "zero-length-edge", "duplicate-edge",
-    "vertex-unused", "faces-rebuilt", "hole", "face-clockwise", "face-without-area",
-    "border-unmarked", "border-inside", "crease-dangling", "sheet-overlaps",
-    "folded-form-differs".
+    "fold-angle-measured", "fold-angle-missing", "fold-angle-contradicts", "zero-length-edge",
+    "duplicate-edge", "vertex-unused", "faces-rebuilt", "hole", "face-clockwise",
+    "face-without-area", "border-unmarked", "border-inside", "folded-form-differs"; and, as no
+    repairs, "crease-dangling", "sheet-overlaps".
     """
-    require_positive("mm_per_unit", mm_per_unit)
     file = Path(path)
+    return pattern_of(file, read_frames(file), mm_per_unit, strict=strict)
+
+
+def pattern_of(
+    file: Path, frames: Frames, mm_per_unit: float = 1.0, *, strict: bool = False
+) -> PatternFile:
+    """As `read_pattern_file`, from the frames of a file; its name stands in the messages."""
+    require_positive("mm_per_unit", mm_per_unit)
     findings: list[Finding] = []
-    flat, folded_frame = read_frames(file)
+    flat = frames.flat
     scale = _scale(file, flat, mm_per_unit, findings)
     coords = flat_coords(file, flat)[:, :2] * scale
-    folded = _folded(file, folded_frame, len(coords), findings)
-    pairs = _pairs(file, flat, len(coords), findings)
+    count = len(coords)
+    forms = [frame for frame in (frames.folded, *frames.states) if frame is not None]
+    shapes = [_folded(file, frame, count, scale, findings) for frame in forms]
+    folded = shapes[0] if frames.folded is not None else None
+    rows = flat.get("faces_vertices")
+    listed_faces = frame_faces(file, rows, count) if rows else None
+    pairs = _pairs(file, flat, count, listed_faces, findings)
     letters = _letters(file, flat, len(pairs), findings)
-    angles = _angles(file, flat, letters, findings)
+    angles = _stored_angles(file, flat, len(pairs))
     near = _SAME * float(np.hypot(*np.ptp(coords, axis=0)))
     rounding = _ROUNDING * float(np.abs(coords).max())
-    rows = flat.get("faces_vertices")
-    kept, pairs, merged = _distinct(
-        file, coords, pairs, letters, rounding if rows else near, findings
-    )
+    reach = np.full(len(pairs), near)
+    if listed_faces is not None:
+        crossed = sides_of_crossed(coords, *listed_faces, pairs)
+        reach = np.where(crossed, near, rounding)
+    kept, pairs, merged = _distinct(file, coords, pairs, letters, reach, findings)
     number = np.flatnonzero(kept)
     lines = Lines(file, coords, pairs[kept], letters[kept], angles[kept], number)
-    if rows:
-        faces, lines = given_faces(lines, rows, merged, rounding, findings)
+    if listed_faces is not None:
+        faces, lines = given_faces(lines, *listed_faces, merged, rounding, findings)
     else:
         faces = rebuilt_faces(lines, near, findings)
     corners, offsets = faces.corners, faces.offsets
@@ -101,8 +154,9 @@ def read_pattern(
     edges = edges_of(corners, offsets)
     source = _places(lines, edges.edges_vertices)
     alone = edges.edges_faces[:, 1] < 0
-    sides = replace(lines.part(source[alone]), pairs=edges.edges_vertices[alone])
-    refuse_abutting(sides, near)
+    if folded is None:  # it tells lips from what was torn apart
+        sides = replace(lines.part(source[alone]), pairs=edges.edges_vertices[alone])
+        refuse_abutting(sides, near)
     loose = np.setdiff1d(np.arange(len(lines.pairs)), source)
     lines = lines.part(np.concatenate([source, loose]))
     within = faces_around(lines, faces, edges.edges_faces, near)
@@ -111,12 +165,17 @@ def read_pattern(
     refuse_open(rest)
     _note_loose(rest.number, findings)
     findings += overlap_findings(lines, faces, edges)
+    lines = _with_angles(lines, faces, edges, folded, flat, findings)
     letters = _with_borders(lines.letters, edges_faces, lines.number, findings)
     angles = np.where(np.isin(letters, ["M", "V", "U"]), lines.angles, 0.0)
     edges_vertices = np.concatenate([edges.edges_vertices, rest.pairs])
-    places = np.column_stack([coords, folded * scale])
-    places, edges_vertices, corners = _used(places, edges_vertices, corners, merged, findings)
-    coords = places[:, :2]
+    used, edges_vertices, corners = _used(count, edges_vertices, corners, merged, findings)
+    coords = coords[used]
+    states = [
+        (str(frame.get("frame_title", "")), shape[used])
+        for frame, shape in zip(forms, shapes, strict=True)
+        if shape is not None and frame is not frames.folded
+    ]
     pattern = CreasePattern(
         coords - coords.min(axis=0),
         edges_vertices,
@@ -125,23 +184,29 @@ def read_pattern(
         angles,
         corners,
         offsets,
-        np.ascontiguousarray(places[:, 2:]) if folded.shape[1] else None,
+        None if folded is None else folded[used],
     )
-    return pattern, tuple(findings)
+    repairs = [finding for finding in findings if finding.code not in _NO_REPAIRS]
+    if strict and repairs:
+        raise InvalidFile(f"{file}: {repairs[0].text}")
+    return PatternFile(frames.title, pattern, tuple(states), tuple(findings))
 
 
 def _folded(
-    path: Path, frame: dict[str, Any] | None, count: int, findings: list[Finding]
-) -> FloatArray:
-    """The folded form's points, shape (nv, 3); (nv, 0) where there is none that fits."""
-    if frame is None:
-        return np.empty((count, 0))
-    coords = frame_coords(path, frame, "folded form")
+    path: Path, frame: dict[str, Any], count: int, scale: float, findings: list[Finding]
+) -> FloatArray | None:
+    """Points of a folded frame in mm, shape (nv, 3); None where they do not fit.
+
+    scale : of the flat sheet, for frames that name no unit.
+    """
+    title = str(frame.get("frame_title") or "folded form")
+    coords = frame_coords(path, frame, title)
     if len(coords) == count:
-        return coords
-    text = f"the folded form has {len(coords)} vertices, the flat sheet {count}: it is left out."
+        named = frame.get("frame_unit", "unit") != "unit"
+        return coords * (_mm(path, frame) if named else scale)
+    text = f"the {title} has {len(coords)} vertices, the flat sheet {count}: it is left out."
     findings.append(_finding("folded-form-differs", Severity.WARNING, text))
-    return np.empty((count, 0))
+    return None
 
 
 def _finding(
@@ -151,24 +216,38 @@ def _finding(
 
 
 def _scale(path: Path, frame: dict[str, Any], mm_per_unit: float, findings: list[Finding]) -> float:
-    unit = frame.get("frame_unit", "unit")
-    if unit != "unit":
-        if not isinstance(unit, str) or unit not in _MM:
-            raise InvalidFile(
-                f"{path}: frame_unit = {unit!r} must be one of unit, {', '.join(_MM)}."
-            )
-        return _MM[unit]
+    if frame.get("frame_unit", "unit") != "unit":
+        return _mm(path, frame)
     text = f"the file names no unit: one unit is taken for {mm_per_unit:g} mm."
     findings.append(_finding("unit-unknown", Severity.NOTE, text))
     return mm_per_unit
 
 
-def _pairs(path: Path, frame: dict[str, Any], count: int, findings: list[Finding]) -> IntArray:
+def _mm(path: Path, frame: dict[str, Any]) -> float:
+    unit = frame["frame_unit"]
+    if not isinstance(unit, str) or unit not in _MM:
+        raise InvalidFile(f"{path}: frame_unit = {unit!r} must be one of unit, {', '.join(_MM)}.")
+    return _MM[unit]
+
+
+def _pairs(
+    path: Path,
+    frame: dict[str, Any],
+    count: int,
+    faces: tuple[IntArray, IntArray] | None,
+    findings: list[Finding],
+) -> IntArray:
     rows = frame_list(path, frame, "edges_vertices", [])
     if not rows:
-        if not frame.get("faces_vertices"):
+        if faces is None:
             raise InvalidFile(f"{path}: edges_vertices is missing. Export the file with its edges.")
-        corners, offsets = frame_faces(path, frame["faces_vertices"], count)
+        for key in ("edges_assignment", "edges_foldAngle"):
+            if frame.get(key):
+                raise InvalidFile(
+                    f"{path}: edges_vertices is missing, so that nobody knows which edges {key} is "
+                    f"of. Export the file with its edges, or remove {key}."
+                )
+        corners, offsets = faces
         text = "edges_vertices is missing: the edges are those of the faces."
         findings.append(_finding("edges-missing", Severity.WARNING, text))
         sides = np.sort(np.column_stack([corners, corners[next_corner(offsets)]]), axis=1)
@@ -195,13 +274,12 @@ def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Findi
     if not found:
         text = "edges_assignment is missing: mountains and valleys are those of the fold angles."
         findings.append(_finding("assignment-missing", Severity.WARNING, text))
-        angles = frame_list(path, frame, "edges_foldAngle", [])
-        if len(angles) != count:
-            return np.full(count, "U")
-        signs = [np.sign(a) if isinstance(a, int | float) else 0 for a in angles]
-        return np.array(["U", "V", "M"])[np.array(signs, dtype=np.int64)]
+        return np.full(count, _UNLETTERED)
     if len(found) != count:
-        raise InvalidFile(f"{path}: {len(found)} edges_assignment for {count} edges.")
+        raise InvalidFile(
+            f"{path}: {len(found)} entries of edges_assignment for {count} edges. Give one for "
+            "each edge, U where it is not known."
+        )
     given = np.array([str(letter) for letter in found])
     upper = np.char.upper(given)
     unknown = ~np.isin(upper, list(_LETTERS))
@@ -217,42 +295,79 @@ def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Findi
     return np.where(unknown, "U", upper).astype("U1")
 
 
-def _angles(
-    path: Path, frame: dict[str, Any], letters: Letters, findings: list[Finding]
-) -> FloatArray:
-    """Fold angles that agree with the letters: the file's own, or fully folded ones."""
-    default = np.select([letters == letter for letter in FULLY_FOLDED], list(FULLY_FOLDED.values()))
+def _stored_angles(path: Path, frame: dict[str, Any], count: int) -> FloatArray:
+    """Fold angles of the file, degrees, NaN where it has none, shape (count,)."""
     found = frame_list(path, frame, "edges_foldAngle", [])
-    folds = default != 0
     if not found:
-        if folds.any():
-            text = "edges_foldAngle is missing: mountains and valleys fold by 180 degrees."
-            findings.append(_finding("fold-angle-missing", Severity.NOTE, text))
-        return default.astype(float)
-    if len(found) != len(letters):
+        return np.full(count, np.nan)
+    if len(found) != count:
         raise InvalidFile(
-            f"{path}: {len(found)} entries of edges_foldAngle for {len(letters)} edges."
+            f"{path}: {len(found)} entries of edges_foldAngle for {count} edges. Give one for each "
+            "edge, null where it is not known."
         )
     for number, angle in enumerate(found):
         if angle is not None and not (type(angle) in (int, float) and -180 <= angle <= 180):
             raise InvalidFile(
                 f"{path}: fold angle {angle} of edge {number} must lie from -180 to 180 degrees."
             )
-    angles = np.array([np.nan if angle is None else angle for angle in found], float)
-    missing = np.flatnonzero(np.isnan(angles) & folds)
+    return np.array([np.nan if angle is None else angle for angle in found], float)
+
+
+def _with_angles(
+    lines: Lines,
+    faces: Faces,
+    edges: Edges,
+    folded: FloatArray | None,
+    frame: dict[str, Any],
+    findings: list[Finding],
+) -> Lines:
+    """The lines with letters and fold angles that agree, the sides of the faces first."""
+    letters, angles = lines.letters, lines.angles
+    default = np.select([letters == letter for letter in _FULLY_FOLDED], [*_FULLY_FOLDED.values()])
+    unlettered = letters == _UNLETTERED
+    border = np.zeros(len(letters), bool)
+    border[: len(edges.edges_faces)] = edges.edges_faces[:, 1] < 0
+    lacking = np.isnan(angles) & ((default != 0) | (letters == "U") | unlettered)
+    lacking &= ~border
+    if folded is not None and lacking.any():
+        measured = np.full(len(angles), np.nan)
+        measured[: len(edges.edges_faces)] = _measured(lines.path, faces, edges, folded)
+        sideless = (default != 0) & (np.abs(measured) > 180 - _SIDELESS_DEG)
+        measured[sideless] = default[sideless]
+        which = np.sort(lines.number[lacking & ~np.isnan(measured)])
+        text = f"{listed('edge', which)} without fold angle: that of the folded form is taken."
+        findings.append(_finding("fold-angle-measured", Severity.NOTE, text, which))
+        angles = np.where(lacking, measured, angles)
+    missing = np.sort(lines.number[np.isnan(angles) & (default != 0)])
     if len(missing):
         text = f"{listed('edge', missing)} without fold angle: folded by 180 degrees."
+        if not frame.get("edges_foldAngle"):
+            text = "edges_foldAngle is missing: mountains and valleys fold by 180 degrees."
+            missing = missing[:0]
         findings.append(_finding("fold-angle-missing", Severity.NOTE, text, missing))
+    signed = np.where(angles > 0, "V", np.where(angles < 0, "M", "F"))
+    signed = np.where(border, "B", np.where(np.isnan(angles), "U", signed))
+    letters = np.where(unlettered, signed, letters)
     angles = np.where(np.isnan(angles), default, angles)
     wrong = np.flatnonzero((angles * default < 0) | ((letters == "F") & (angles != 0)))
     if len(wrong):
+        wrong = wrong[np.argsort(lines.number[wrong])]
         text = (
-            f"{listed('edge', wrong)}: the sign of the fold angle ({angles[wrong[0]]:g}) "
-            f"contradicts the assignment {letters[wrong[0]]}; the assignment holds."
+            f"{listed('edge', lines.number[wrong])}: the sign of the fold angle "
+            f"({angles[wrong[0]]:g}) contradicts the assignment {letters[wrong[0]]}; the "
+            "assignment holds."
         )
-        findings.append(_finding("fold-angle-contradicts", Severity.WARNING, text, wrong))
+        code = "fold-angle-contradicts"
+        findings.append(_finding(code, Severity.WARNING, text, lines.number[wrong]))
         angles[wrong] = np.sign(default[wrong]) * np.abs(angles[wrong])
-    return angles
+    return replace(lines, letters=letters, angles=angles)
+
+
+def _measured(path: Path, faces: Faces, edges: Edges, folded: FloatArray) -> FloatArray:
+    try:
+        return fold_angles_deg(folded, edges, faces.corners, faces.offsets)
+    except InvalidValue as error:
+        raise InvalidFile(f"{path}: folded form: {error}") from error
 
 
 def _distinct(
@@ -260,15 +375,18 @@ def _distinct(
     coords: FloatArray,
     pairs: IntArray,
     letters: Letters,
-    tolerance: float,
+    reach: FloatArray,
     findings: list[Finding],
 ) -> tuple[BoolArray, IntArray, IntArray]:
-    """Which edges stay, their vertices, and for each vertex the one that stands for it."""
+    """Which edges stay, their vertices, and for each vertex the one that stands for it.
+
+    reach : edges that are no longer than this have no length, mm, shape (n,).
+    """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     merged = np.arange(len(coords))
-    short = np.hypot(*(coords[pairs[:, 1]] - coords[pairs[:, 0]]).T) <= tolerance
+    short = np.hypot(*(coords[pairs[:, 1]] - coords[pairs[:, 0]]).T) <= reach
     if short.any():
         one, two = pairs[short].T
         graph = coo_array((np.ones(len(one)), (one, two)), shape=(len(coords), len(coords)))
@@ -281,9 +399,8 @@ def _distinct(
         findings.append(_finding("zero-length-edge", Severity.WARNING, text, which))
     kept = pairs[:, 0] != pairs[:, 1]
     key = pairs.min(axis=1) * len(coords) + pairs.max(axis=1)
-    rank = np.array([_RANK[letter] for letter in _LETTERS])
-    place = np.argsort(list(_LETTERS))
-    ranks = rank[place[np.searchsorted(sorted(_LETTERS), letters)]]
+    known = sorted(_RANK)
+    ranks = np.array([_RANK[letter] for letter in known])[np.searchsorted(known, letters)]
     order = np.lexsort((np.arange(len(key)), -ranks, key))
     order = order[kept[order]]
     repeated = np.flatnonzero(key[order][1:] == key[order][:-1]) + 1
@@ -310,7 +427,9 @@ def _places(lines: Lines, sides: IntArray) -> IntArray:
     lacking = np.flatnonzero(keys[place] != wanted)
     if len(lacking):
         one, two = sides[lacking[0]]
-        raise InvalidFile(f"{lines.path}: edges_vertices lacks the side ({one}, {two}) of a face.")
+        raise InvalidFile(
+            f"{lines.path}: edges_vertices lacks the side ({one}, {two}) of a face. Add it."
+        )
     return place
 
 
@@ -340,18 +459,14 @@ def _with_borders(
 
 
 def _used(
-    coords: FloatArray,
-    pairs: IntArray,
-    corners: IntArray,
-    merged: IntArray,
-    findings: list[Finding],
-) -> tuple[FloatArray, IntArray, IntArray]:
-    """Vertices that are the end of an edge, numbered anew in their order."""
-    used = np.zeros(len(coords), bool)
+    count: int, pairs: IntArray, corners: IntArray, merged: IntArray, findings: list[Finding]
+) -> tuple[BoolArray, IntArray, IntArray]:
+    """Which vertices are the end of an edge; pairs and corners with these numbered anew."""
+    used = np.zeros(count, bool)
     used[pairs] = True
-    unused = np.flatnonzero(~used & (merged == np.arange(len(coords))))
+    unused = np.flatnonzero(~used & (merged == np.arange(count)))
     if len(unused):
         text = f"{len(unused)} vertices without edges, the first is {unused[0]}: removed."
         findings.append(_finding("vertex-unused", Severity.NOTE, text))
     place = np.cumsum(used) - 1
-    return coords[used], place[pairs], place[corners]
+    return used, place[pairs], place[corners]

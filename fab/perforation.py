@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fab.crease import CreasePattern
@@ -30,7 +34,16 @@ from fab.styles import (
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["DashStyle", "FoldBand", "PerforationSettings", "cut_layers", "perforate"]
+__all__ = [
+    "CutCreases",
+    "DashStyle",
+    "FoldBand",
+    "PerforationSettings",
+    "crease_findings",
+    "cut_layers",
+    "cut_piece",
+    "perforate",
+]
 
 _NAMES = {"M": "mountain", "V": "valley", "F": "flat", "U": "unassigned"}
 _BORDERS = ("B", "C")
@@ -88,6 +101,29 @@ class PerforationSettings(Settings):
         return self
 
 
+@dataclass(frozen=True)
+class CutCreases:
+    """The creases of a pattern that are to be cut, and what became of each; shapes (n,).
+
+    Attributes
+    ----------
+    numbers, letters : of the edges.
+    length_mm, needed_mm : the length, and that with which something is cut at least.
+    cuts : how many lie on each; lattice : which have one.
+    meeting : those that stay uncut as their lattice would meet other lines.
+    pierced : how many cuts on each are not longer than the kerf.
+    """
+
+    numbers: IntArray
+    letters: NDArray[np.str_]
+    length_mm: FloatArray
+    needed_mm: FloatArray
+    cuts: IntArray
+    lattice: BoolArray
+    meeting: BoolArray
+    pierced: IntArray
+
+
 def perforate(
     pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
 ) -> tuple[CutPaths, list[Finding]]:
@@ -105,7 +141,18 @@ def perforate(
 def cut_layers(
     pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
 ) -> tuple[tuple[Layer, ...], list[Finding]]:
+    """The layers of `cut_piece` for a pattern that is cut alone, and all that is told of it."""
+    layers, creases, findings = cut_piece(pattern, settings, kerf_mm)
+    return layers, [*findings, *crease_findings([creases], settings.margin_mm, kerf_mm)]
+
+
+def cut_piece(
+    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
+) -> tuple[tuple[Layer, ...], CutCreases, list[Finding]]:
     """Perforated creases, relief holes, inner cuts and closed outlines, where the pattern lies.
+
+    What became of the creases is given as arrays, for `crease_findings`; the findings are those of
+    holes and outlines.
 
     kerf_mm : width of the beam. Cuts on creases are drawn shorter by it, and outlines and relief
         holes are moved by half of it (`fab.kerf`); inner cuts stay.
@@ -118,8 +165,7 @@ def cut_layers(
     Cuts begin `margin_mm` after the vertex, or after the rim of its relief hole. Lattices begin
     later: `margin_mm` after the place where their outermost row meets the bisector of the sector
     beside it (or its wall, where that is an outline), so that neighbours cannot meet; those that
-    meet other lines all the same, across a narrow face, stay uncut. Creases without room are named
-    in findings.
+    meet other lines all the same, across a narrow face, stay uncut, and so do creases without room.
 
     Raises `InvalidValue` for unknown assignments, for a negative kerf, one that joins cuts, and for
     too many cuts.
@@ -139,10 +185,8 @@ def cut_layers(
     trim += settings.margin_mm
     trimmed = np.where(walls[:, None], 0.0, trim)
     meeting = _meeting_lattices(pattern, lines, trimmed, width[kind] / 2, settings.margin_mm, holes)
-    findings += _meeting_findings(meeting)
     layers = [Layer(Operation.MOUNTAIN), Layer(Operation.VALLEY)]
-    drawn = np.zeros(len(kind), bool)
-    pierced = np.zeros(len(kind), np.int64)
+    drawn, pierced = np.zeros((2, len(kind)), np.int64)
     for number, style in enumerate(kinds):
         for operation, letters in _operations(style):
             of_style = (kind == number) & np.isin(pattern.edges_assignment, letters)
@@ -152,19 +196,29 @@ def cut_layers(
                 continue
             ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
             cuts = cuts_along(ends, style, trim[creases], kerf_mm)
-            drawn[creases[cuts.owner]] = True
+            drawn += np.bincount(creases[cuts.owner], minlength=len(kind))
             pierced += np.bincount(creases[cuts.owner[cuts.pierced]], minlength=len(kind))
             layers.append(Layer(operation, cuts.segments))
-    drawn[meeting] = True  # named already
-    findings += _too_short(pattern, lines & ~walls, drawn, trim, settings.margin_mm)
-    findings += _pierced(pierced, kerf_mm)
+    creases = np.flatnonzero(lines & ~walls)
+    ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
+    rooms = [s.least_room_mm if isinstance(s, LatticeStyle) else SHORTEST_CUT_MM for s in kinds]
+    became = CutCreases(
+        creases,
+        pattern.edges_assignment[creases],
+        np.hypot(*(ends[:, 1] - ends[:, 0]).T),
+        trim[creases].sum(axis=1) + np.array(rooms)[kind[creases]],
+        drawn[creases],
+        (width > 0)[kind[creases]],
+        np.isin(creases, meeting),
+        pierced[creases],
+    )
     borders = outlines_of(pattern)
     rings, moved = compensated(borders.rings, kerf_mm)
     relief, shrunk = compensated(holes.rings, kerf_mm)
     if relief:
         layers.append(Layer(Operation.RELIEF, outlines=relief))
     layers.append(Layer(Operation.CUT, borders.slits, rings))
-    return joined(layers), [*findings, *moved, *shrunk]
+    return joined(layers), became, [*findings, *moved, *shrunk]
 
 
 def _operations(style: CreaseStyle) -> list[tuple[Operation, list[str]]]:
@@ -274,61 +328,94 @@ def _meeting_lattices(
     return met
 
 
-def _meeting_findings(creases: IntArray) -> list[Finding]:
-    if not len(creases):
+def crease_findings(
+    creases: Sequence[CutCreases], margin_mm: float, kerf_mm: float
+) -> list[Finding]:
+    """What is told of creases that are not cut as asked for, each thing once for all patterns.
+
+    creases : those of each pattern, at least one; edges are told by their numbers.
+    """
+    every = CutCreases(
+        *(
+            np.concatenate([getattr(own, field.name) for own in creases])
+            for field in dataclasses.fields(CutCreases)
+        )
+    )
+    return [
+        *_meeting_findings(every),
+        *_too_short(every, margin_mm),
+        *_rigid(every),
+        *_pierced(every, kerf_mm),
+    ]
+
+
+def _meeting_findings(creases: CutCreases) -> list[Finding]:
+    met = creases.numbers[creases.meeting]
+    if not len(met):
         return []
     return [
         Finding(
             "lattices-meet",
             Severity.ERROR,
-            f"{len(creases)} lattices would meet other lines across a face and stay uncut. Lower "
+            f"{len(met)} lattices would meet other lines across a face and stay uncut. Lower "
             "rows or pitch_mm, or enlarge the sheet.",
-            creases=tuple(creases[:20].tolist()),
+            creases=tuple(met[:20].tolist()),
         )
     ]
 
 
-def _too_short(
-    pattern: CreasePattern,
-    wanted: BoolArray,
-    drawn: BoolArray,
-    trim: FloatArray,
-    margin_mm: float,
-) -> list[Finding]:
-    findings = []
-    ends = pattern.vertices_coords[pattern.edges_vertices]
-    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    needed = trim.sum(axis=1) + SHORTEST_CUT_MM
-    for letter, name in _NAMES.items():
-        creases = np.flatnonzero(wanted & (pattern.edges_assignment == letter))
-        uncut = creases[~drawn[creases]]
-        if len(uncut):
-            findings.append(
-                Finding(
-                    "crease-too-short",
-                    Severity.ERROR if len(uncut) == len(creases) else Severity.WARNING,
-                    f"{len(uncut)} of {len(creases)} {name} creases leave nothing between their "
-                    f"margins ({2 * margin_mm:g} mm, and what relief holes and lattices take) and "
-                    f"stay uncut. The shortest is {length[uncut].min():.3g} mm long. Lower "
-                    "margin_mm, or make the sheet at least "
-                    f"{enlargement(needed[uncut], length[uncut])} times as large.",
-                    creases=tuple(uncut[:20].tolist()),
-                )
-            )
-    return findings
+def _too_short(creases: CutCreases, margin_mm: float) -> list[Finding]:
+    short = (creases.cuts == 0) & ~creases.meeting
+    if not short.any():
+        return []
+    alike = [(name, short[creases.letters == letter]) for letter, name in _NAMES.items()]
+    counts = [f"{uncut.sum()} of {len(uncut)} {name}" for name, uncut in alike if uncut.any()]
+    length = creases.length_mm[short]
+    return [
+        Finding(
+            "crease-too-short",
+            Severity.ERROR
+            if any(len(uncut) and uncut.all() for _, uncut in alike)
+            else Severity.WARNING,
+            f"{' and '.join(counts)} creases leave nothing between their margins "
+            f"({2 * margin_mm:g} mm, and what relief holes and lattices take) and stay uncut. The "
+            f"shortest is {length.min():.3g} mm long. Lower margin_mm, or make the sheet at least "
+            f"{enlargement(creases.needed_mm[short], length)} times as large.",
+            creases=tuple(creases.numbers[short][:20].tolist()),
+        )
+    ]
 
 
-def _pierced(pierced: IntArray, kerf_mm: float) -> list[Finding]:
-    creases = np.flatnonzero(pierced)
-    if not len(creases):
+def _rigid(creases: CutCreases) -> list[Finding]:
+    """Lattices of one slit, which bend nowhere."""
+    rigid = creases.lattice & (creases.cuts == 1)
+    if not rigid.any():
+        return []
+    bending = int((creases.lattice & (creases.cuts > 1)).sum())
+    length = creases.length_mm[rigid]
+    return [
+        Finding(
+            "lattice-rigid",
+            Severity.WARNING if bending else Severity.ERROR,
+            f"{rigid.sum()} lattices have room for one slit alone and do not bend; {bending} do. "
+            f"The shortest of these creases is {length.min():.3g} mm long. Lower cut_mm, or make "
+            f"the sheet at least {enlargement(creases.needed_mm[rigid], length)} times as large.",
+            creases=tuple(creases.numbers[rigid][:20].tolist()),
+        )
+    ]
+
+
+def _pierced(creases: CutCreases, kerf_mm: float) -> list[Finding]:
+    pierced = np.flatnonzero(creases.pierced)
+    if not len(pierced):
         return []
     return [
         Finding(
             "cut-shorter-than-kerf",
             Severity.WARNING,
-            f"{pierced.sum()} cuts on {len(creases)} creases are not longer than the kerf "
+            f"{creases.pierced.sum()} cuts on {len(pierced)} creases are not longer than the kerf "
             f"({kerf_mm:g} mm) and are drawn as pierces, which come out as long as the kerf. "
             "Lengthen the cuts, or take a finer beam.",
-            creases=tuple(creases[:20].tolist()),
+            creases=tuple(creases.numbers[pierced[:20]].tolist()),
         )
     ]

@@ -5,7 +5,7 @@ pattern -> sets of faces -> seams -> tabs -> pieces with labels, each a pattern 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
 from fab.errors import Finding, Severity
-from fab.labels import Label, fitted, highest
+from fab.labels import Label, fitted, highest, number_text
 from fab.partition import Sheet, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
@@ -61,7 +61,8 @@ class Seam:
 
     Attributes
     ----------
-    label : running number, in the order of assembling; it is engraved on both sides.
+    label : running number, in the order of assembling; it is engraved on both sides
+        (`fab.labels.number_text`).
     edges : numbers in the whole pattern, first and second side; the same twice, unless the whole
         pattern is open here and its folded form is closed.
     pieces : numbers of the pieces of both sides.
@@ -116,14 +117,6 @@ class Pieces:
         """Whether labels tell anything: not those of one piece without seams."""
         return len(self.pieces) > 1 or len(self.seams) > 0
 
-    def glue_up(self) -> list[tuple[int, str, str, float]]:
-        """One row for each seam, in the order of assembling: label, both pieces, length in mm."""
-        return [
-            (seam.label, self.pieces[one].name, self.pieces[two].name, seam.length_mm)
-            for seam in self.seams
-            for one, two in [seam.pieces]
-        ]
-
 
 @dataclass(frozen=True)
 class _Seams:
@@ -141,13 +134,18 @@ class _Seams:
 
 
 def split(
-    pattern: CreasePattern, settings: SheetSplit, bed_mm: tuple[float, float]
+    pattern: CreasePattern,
+    settings: SheetSplit,
+    bed_mm: tuple[float, float],
+    progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Pieces, list[Finding]]:
     """Pieces that lie on the bed and overlap nowhere, with tabs and labels.
 
     A pattern that fits is one piece. Otherwise it is cut along its inner edges, those of assignment
     F too, into as few pieces as the search finds. Edges of the boundary that come together when
     folded (a ring cut open) are seams as well, where the pattern knows its folded form.
+
+    progress : called with (steps done, steps in all): each face is set apart, then drawn.
 
     Raises `InvalidValue` for a bed smaller than a face with its tabs, or a face without area.
     """
@@ -169,7 +167,13 @@ def split(
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True
     sheet = Sheet(pattern, joined, _reach(pattern, settings), glued, (width, height), told)
-    sets = partition(sheet)
+    steps = 2 * pattern.face_count
+
+    def tell(done: int, _: int) -> None:
+        if progress is not None:
+            progress(done, steps)
+
+    sets = partition(sheet, tell)
     owner = np.empty(pattern.face_count, np.int64)
     for number, faces in enumerate(sets):
         owner[faces] = number
@@ -178,11 +182,13 @@ def split(
     owner = rank[owner]
     seams = _seams(pattern, owner, joined, closing, closing_angle)
     side, tops = _tabs(pattern, owner, seams, settings)
-    pieces = tuple(
-        _piece(sheet, number, faces, seams, side, tops, settings)
-        for number, faces in enumerate(sets)
-    )
-    made = Pieces(pieces, _numbered(pattern, pieces, seams, side))
+    pieces: list[Piece] = []
+    drawn = pattern.face_count
+    for number, faces in enumerate(sets):
+        pieces.append(_piece(sheet, number, faces, seams, side, tops, settings))
+        drawn += len(faces)
+        tell(drawn, steps)
+    made = Pieces(tuple(pieces), _numbered(pattern, pieces, seams, side))
     return made, _findings(made, settings)
 
 
@@ -471,7 +477,7 @@ def _labels(
     direction = lines[:, 1] - lines[:, 0]
     name = _name(number)
     widest, middle, slant = _place_for(name, rooms[:real], face)
-    texts = [name, *(str(s + 1) for s in seam)]
+    texts = [name, *(number_text(s + 1) for s in seam.tolist())]
     anchors = np.concatenate([middle[None], lines.mean(axis=1)])
     angles = np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])])
     height = np.full(len(anchors), settings.label_mm)
@@ -479,7 +485,7 @@ def _labels(
     hang = np.ones(len(anchors))
     hang[0] = 0.0
     space = [rooms[f] for f in [widest, *face.tolist(), *tab.tolist()]]
-    on_tabs = [str(s + 1) for s in carried]
+    on_tabs = [number_text(s + 1) for s in carried.tolist()]
     return texts, fitted([*texts, *on_tabs], anchors, angles, space, height, hang, _READABLE_MM)
 
 

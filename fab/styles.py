@@ -85,8 +85,8 @@ class DotStyle(Settings):
 class LatticeStyle(Settings):
     """A living hinge for rigid sheet: rows of slits along the crease, every other one shifted.
 
-    The band is (rows - 1) pitch_mm wide, with the crease in its middle. A crease shorter than one
-    period has one cut, on its line.
+    The band is (rows - 1) pitch_mm wide, with the crease in its middle. A crease without room for
+    two slits in a row has one alone, on its line, and does not bend.
     """
 
     kind: Literal["lattice"] = "lattice"
@@ -108,6 +108,11 @@ class LatticeStyle(Settings):
     def width_mm(self) -> float:
         """From the first row to the last."""
         return (self.rows - 1) * self.pitch_mm
+
+    @property
+    def least_room_mm(self) -> float:
+        """Room that a crease must exceed to have two slits in a row."""
+        return self.cut_mm + (self.cut_mm + self.gap_mm) / 2
 
 
 class EngraveStyle(Settings):

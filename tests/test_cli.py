@@ -95,6 +95,9 @@ def test_templates_are_listed_and_copied(here):
     again = run("new", "miura")
     assert again.exit_code == 2
     assert "exists already" in again.output
+    long = run("new", "miura", "--out", 300 * "a")
+    assert long.exit_code == 2
+    assert "cannot be written: File name too long" in long.output
     assert "Did you mean miura" in run("new", "mura").output
 
 
@@ -208,7 +211,8 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
     said = re.search(r"`(\d+ pieces, [^`]* minutes)`", part)[1]
     assert said in results[-1].output
     kinds = [f"curved_fold_1.{kind}" for kind in ("dxf", "pdf", "svg")]
-    assert names_in("sheets") == [*kinds, "report.json"]
+    assert names_in("sheets") == [*kinds, "curved_fold_report.json"]
+    assert "`curved_fold_report.json`" in part
     assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
     for side in re.findall(r"`(curved_fold_1_\w+)`", part):
         assert f"{side}.dxf" in names_in("sheets")

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from flat_patterns import grid, triangles, turned_strip
+from flat_patterns import grid, pattern_of, triangles, turned_strip
 from helpers import TEMPLATES, made_template
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -26,6 +27,7 @@ from fab.errors import InvalidJob, Severity
 from fab.fabricate import fabricate, left_over, scaled
 from fab.fold_file import fold_bytes
 from fab.job import load_job
+from fab.labels import number_text
 from fab.make import Format, make
 from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
@@ -90,7 +92,9 @@ def drawn(data):
 @pytest.mark.parametrize("name", NAMES)
 def test_patterns_of_others_come_out_on_the_bed_and_nothing_is_cut_twice(name, material):
     pattern, made = sheets_of(name, material, formats=[SheetFormat.DXF])
-    assert made.within_tolerance, made.findings
+    # creases of 33 mm have no room for a living hinge of plywood
+    rigid = ["lattice-rigid"] if (name, material) == ("resch", "plywood_3mm") else []
+    assert [f.code for f in made.findings if f.severity == Severity.ERROR] == rigid
     assert sum(piece["faces"] for piece in made.report["pieces"]) == pattern.face_count
     machine = load_machine(MACHINE)
     bed = shapely.box(0, 0, *machine.bed_mm).buffer(-machine.margin_mm + 1e-5)
@@ -231,10 +235,21 @@ def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, t
     assert len(made.report["glue_up"]) >= len(names) - 1
     assert load_machine("knife_a3_roll").kerf_mm == 0
     total = 0.0
+    filled = []
     for sheet, polygons in outlines_on(made):
         assert len(polygons) == len(sheet["pieces"])
         assert shapely.is_valid(polygons).all()
-        total += shapely.union_all(polygons).area
+        filled.append(shapely.union_all(polygons))
+        total += filled[-1].area
+    # a seam's edge is the foot of its tab, or an edge of the sheet
+    for row in made.report["glue_up"]:
+        for side, (name, number, at) in enumerate(
+            zip(row["pieces"], row["sheets"], row["at_mm"], strict=True)
+        ):
+            assert name in made.report["sheets"][number - 1]["pieces"]
+            point, sheet = shapely.Point(at), filled[number - 1]
+            assert sheet.distance(point) < 1e-3
+            assert (sheet.boundary.distance(point) < 1e-3) == (row["tab"] != side)
     # tabs come on top; no piece covers any of its own faces twice
     corners = np.split(pattern.vertices_coords[pattern.faces_vertices], pattern.faces_offsets[1:-1])
     assert total >= shapely.area([shapely.Polygon(ring) for ring in corners]).sum() * (1 - 1e-6)
@@ -280,6 +295,24 @@ def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
         assert "times as large" in told[code]
 
 
+def test_creases_of_all_pieces_are_told_of_once_with_the_factor_that_helps_all():
+    """A ladder of rungs, of which three in different pieces are too short."""
+    height = np.full(100, 20.0)
+    height[[10, 50, 90]] = 0.9, 0.5, 0.7
+    rungs = [[[15.0 * i, -h / 2], [15.0 * i, h / 2]] for i, h in enumerate(height)]
+    faces = [[2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1] for i in range(len(rungs) - 1)]
+    pattern = pattern_of(np.reshape(rungs, (-1, 2)), faces, "M")
+    pieces, made = with_pieces(pattern, "ladder", load_machine(MACHINE), formats=[SheetFormat.SVG])
+    (finding,) = [f for f in made.findings if f.code == "crease-too-short"]
+    short = pattern.vertices_coords[pattern.edges_vertices[list(finding.creases)]]
+    assert np.hypot(*np.diff(short, axis=1)[:, 0].T) == pytest.approx([0.9, 0.5, 0.7])
+    homes = [[c in piece.edges for c in finding.creases].index(True) for piece in pieces.pieces]
+    assert homes == [0, 1, 2]
+    assert finding.text.startswith("3 of 98 mountain creases")
+    factor = float(re.search(r"at least (\S+) times", finding.text)[1])
+    assert factor == pytest.approx(1.01 / 0.5, rel=0.01)
+
+
 @pytest.mark.parametrize("name", ["nested_cones", "elliptic_ring", "twisted_squares"])
 def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
     made = make(load_job(TEMPLATES / f"{name}.toml"), [Format.FOLD])
@@ -308,8 +341,11 @@ def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
     for row, seam in zip(rows, pieces.seams, strict=True):
         assert row["pieces"] == ["A", "A"]
         assert row["length_mm"] == pytest.approx(seam.length_mm, abs=1e-4)
-        written = [label for label in piece.labels if label.text == str(seam.label)]
-        missing = piece.unwritten.count(str(seam.label))
+        assert row["fold_angle_deg"] == pytest.approx(seam.fold_angle_deg, abs=1e-4)
+        assert row["tab"] == seam.tab
+        text = number_text(seam.label)
+        written = [label for label in piece.labels if label.text == text]
+        missing = piece.unwritten.count(text)
         for edge in seam.piece_edges:
             face = piece.pattern.edges_faces[edge, 0]
             i, j = piece.pattern.faces_offsets[face : face + 2]
@@ -337,7 +373,7 @@ def test_threads_of_pieces_are_placed_or_refused(tmp_path):
 def test_the_same_pattern_gives_the_same_bytes():
     first, second = (sheets_of("resch", "plywood_3mm")[1] for _ in range(2))
     assert dict(first.files) == dict(second.files)
-    assert set(first.files) == {"resch_1.dxf", "resch_1.svg", "resch_1.pdf", "report.json"}
+    assert set(first.files) == {"resch_1.dxf", "resch_1.svg", "resch_1.pdf", "resch_report.json"}
 
 
 def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
@@ -479,8 +515,8 @@ def test_a_fold_file_becomes_sheets(here):
     result = run(*words, "--only", "svg,pdf")
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (here / "out").iterdir())
-    assert names == ["report.json", "yoshimura_1.pdf", "yoshimura_1.svg"]
-    report = json.loads((here / "out" / "report.json").read_text())
+    assert names == ["yoshimura_1.pdf", "yoshimura_1.svg", "yoshimura_report.json"]
+    report = json.loads((here / "out" / "yoshimura_report.json").read_text())
     assert report["sheets"][0]["minutes"] > 0
     assert all(f["severity"] != Severity.ERROR for f in report["findings"])
     assert "1 pieces, 0 seams, 1 sheets of 300 x 200 mm" in result.output
@@ -491,7 +527,8 @@ def test_both_sides_are_written_in_every_format(here):
     result = run(*words, "--out", "out")
     assert result.exit_code == 0, result.output
     kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
-    assert sorted(path.name for path in (here / "out").iterdir()) == sorted([*kinds, "report.json"])
+    written = sorted(path.name for path in (here / "out").iterdir())
+    assert written == sorted([*kinds, "square_twist_report.json"])
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
     again = run(*words[:-1], "--out", "out", "--only", "dxf")
     assert "note: out/square_twist_1_back.dxf and 5 more of this name are from" in again.output
@@ -521,12 +558,40 @@ def test_file_names_of_any_bytes_become_names_that_can_be_read(here):
     result = run("fabricate", file, *CARD, "--width-mm", 120, "--out", "out")
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (here / "out").iterdir())
-    plain = 'a_[31m_<b>&"__1'
-    assert names == sorted(["report.json", *(f"{plain}.{kind}" for kind in SheetFormat)])
+    plain = 'a_[31m_<b>&"_'
+    assert names == sorted([f"{plain}_report.json", *(f"{plain}_1.{kind}" for kind in SheetFormat)])
+    plain += "_1"
     root = ElementTree.fromstring((here / "out" / f"{plain}.svg").read_bytes())
     assert root[0].text == plain
     assert drawn((here / "out" / f"{plain}.dxf").read_bytes())
     assert PdfReader(here / "out" / f"{plain}.pdf").metadata.title == plain
+
+
+@pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
+def test_a_name_too_long_for_its_sheets_is_told_with_its_cure(here):
+    file = 245 * "a" + ".fold"
+    Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    words = ("fabricate", file, *CARD, "--width-mm", 120, "--out")
+    result = run(*words, "out", "--only", "svg")  # the longest name is the report's
+    assert result.exit_code == 2, result.output
+    assert "File name too long" in result.output
+    assert "Give the file that they are made from, or --out, a shorter name" in result.output
+    assert [path.name for path in here.iterdir()] == [file]
+    result = run(*words, 300 * "b")
+    assert result.exit_code == 2, result.output
+    assert "or --out, a shorter name" in result.output
+
+
+def test_sheets_lie_beside_the_files_of_their_job(here):
+    Path("out").mkdir()
+    Path("out/report.json").write_text("of the job")
+    Path("out/bird_base.fold").write_bytes((PATTERNS / "bird_base.fold").read_bytes())
+    before = {path.name: path.read_bytes() for path in Path("out").iterdir()}
+    words = ("fabricate", "out/bird_base.fold", *CARD, "--width-mm", 120, "--out", "out")
+    assert run(*words).exit_code == 0
+    after = {path.name: path.read_bytes() for path in Path("out").iterdir()}
+    assert len(after) > len(before)
+    assert before == {name: after[name] for name in before}
 
 
 def test_the_name_of_a_test_card_is_whole(here):

@@ -1,6 +1,7 @@
 """Faces too narrow for the beam, and the scale that helps."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ from flat_patterns import fan, grid, pattern_of, triangles
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fab.errors import Severity
 from fab.fabricate import scaled
 from fab.fineness import enlargement, face_widths_mm, narrow_faces
-from fab.perforation import DashStyle, PerforationSettings, perforate
+from fab.perforation import DashStyle, PerforationSettings, cut_layers, perforate
+from fab.styles import LatticeStyle
 
 FACTOR = re.compile(r"([0-9.e+]+) times as large")
 
@@ -63,3 +66,45 @@ def test_creases_have_cuts_on_a_sheet_that_is_as_large_as_is_advised(seed):
     factor = max(float(FACTOR.findall(f.text)[0]) for f in uncut(1.0))
     assert uncut(0.99 * factor)
     assert not uncut(factor)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_lattices_bend_on_a_sheet_that_is_as_large_as_is_advised(seed):
+    style = LatticeStyle(cut_mm=6.0, gap_mm=2.0, rows=2, pitch_mm=0.01)
+    settings = PerforationSettings(margin_mm=1.0, mountain=style, valley=style, unassigned=style)
+    pattern = triangles(seed, size=60.0)
+
+    def unbending(factor):
+        _, findings = perforate(scaled(pattern, factor=factor), settings)
+        return [f for f in findings if f.code in ("lattice-rigid", "crease-too-short")]
+
+    assert "lattice-rigid" in {f.code for f in unbending(1.0)}
+    factor = max(float(FACTOR.findall(f.text)[0]) for f in unbending(1.0))
+    assert unbending(0.99 * factor)
+    assert not unbending(factor)
+
+
+def test_lattices_of_one_slit_are_an_error_where_nothing_bends():
+    """A slit of 6 mm and the next in its row, 8 mm on, need a room of 10 mm to be fitted."""
+    style = LatticeStyle(cut_mm=6.0, gap_mm=2.0, rows=3, pitch_mm=0.5)
+    settings = PerforationSettings(margin_mm=1.0, valley=style)
+
+    def found(width, height):
+        pattern = grid(2, 1, 1.0)
+        pattern = replace(pattern, vertices_coords=pattern.vertices_coords * [width, height])
+        _, findings = cut_layers(pattern, settings)
+        return [(f.code, f.severity, f.creases) for f in findings]
+
+    (valley,) = np.flatnonzero(grid(2, 1, 1.0).edges_assignment == "V").tolist()
+    assert found(30.0, 12.001) == []
+    assert found(30.0, 12.0) == [("lattice-rigid", Severity.ERROR, (valley,))]
+    assert found(30.0, 2.0) == [("crease-too-short", Severity.ERROR, (valley,))]
+    # where others bend it is a warning
+    pattern = grid(2, 2, 1.0)
+    pattern = replace(pattern, vertices_coords=pattern.vertices_coords * [30.0, 10.0])
+    (finding,) = cut_layers(pattern, settings)[1]
+    upright = np.ptp(pattern.vertices_coords[pattern.edges_vertices][..., 1], axis=1) > 0
+    assert set(finding.creases) == set(
+        np.flatnonzero(upright & (pattern.edges_assignment == "V")).tolist()
+    )
+    assert finding.severity == Severity.WARNING

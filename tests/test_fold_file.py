@@ -1,22 +1,30 @@
-"""FOLD files: round trip, frames, and every refusal."""
+"""FOLD files: round trip, frames, states, orders of faces, and every refusal."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from flat_patterns import pattern_of
 from hypothesis import given
 from strategies import patches
 
 from fab.crease import crease_pattern
 from fab.development import develop
 from fab.errors import InvalidFile
-from fab.fold_file import fold_bytes, read_fold
+from fab.fold_file import fold_bytes
 from fab.inspection import inspect_angles
+from fab.pattern_file import read_pattern, read_pattern_file
 from solver import Miura
+from solver.errors import InvalidValue
 
 
-def document_of(pattern) -> dict:
-    return json.loads(fold_bytes(pattern, "sheet"))
+def read_fold(path):
+    return read_pattern(path)[0]
+
+
+def document_of(pattern, states=()) -> dict:
+    return json.loads(fold_bytes(pattern, "sheet", states))
 
 
 @pytest.fixture
@@ -31,7 +39,8 @@ def test_reading_gives_the_same_arrays_back(tmp_path_factory, mesh):
     before = [array.copy() for array in vars(pattern).values() if isinstance(array, np.ndarray)]
     path = tmp_path_factory.mktemp("fold") / "sheet.fold"
     path.write_bytes(fold_bytes(pattern, "sheet"))
-    back = read_fold(path)
+    back, findings = read_pattern(path, strict=True)
+    assert {finding.code for finding in findings} <= {"sheet-overlaps"}
     for name in pattern.__dataclass_fields__:
         assert np.array_equal(getattr(back, name), getattr(pattern, name)), name
     after = [array for array in vars(pattern).values() if isinstance(array, np.ndarray)]
@@ -54,6 +63,10 @@ def test_the_key_frame_is_flat_and_complete(pattern):
     assert len(set(pairs)) == len(pairs)
 
 
+def codes_of(path):
+    return {finding.code for finding in read_pattern(path)[1]}
+
+
 def test_angles_come_from_the_folded_form_where_none_are_stored(tmp_path, pattern):
     document = document_of(pattern)
     del document["edges_foldAngle"], document["edges_vertices"], document["edges_assignment"]
@@ -62,6 +75,115 @@ def test_angles_come_from_the_folded_form_where_none_are_stored(tmp_path, patter
     back = read_fold(path)
     assert back.edges_foldAngle == pytest.approx(pattern.edges_foldAngle, abs=1e-9)
     assert (back.edges_assignment == pattern.edges_assignment).all()
+    assert codes_of(path) == {"edges-missing", "assignment-missing", "fold-angle-measured"}
+
+
+def test_single_angles_come_from_the_folded_form_too(tmp_path, pattern):
+    document = document_of(pattern)
+    creases = np.flatnonzero(pattern.edges_foldAngle)
+    some = creases[::3].tolist()
+    for edge in some:
+        document["edges_foldAngle"][edge] = None
+    document["edges_assignment"][some[0]] = "U"
+    path = tmp_path / "some.fold"
+    path.write_text(json.dumps(document))
+    back, (finding,) = read_pattern(path)
+    assert back.edges_foldAngle == pytest.approx(pattern.edges_foldAngle, abs=1e-9)
+    assert back.edges_assignment[some[0]] == "U"
+    assert finding.code == "fold-angle-measured"
+    assert finding.creases == tuple(some)
+
+
+@pytest.mark.parametrize("letter", ["M", "V"])
+def test_the_side_of_creases_folded_flat_is_that_of_their_letters(tmp_path, letter):
+    sheet = pattern_of(
+        [[0, 0], [10, 0], [20, 0], [20, 10], [10, 10], [0, 10]],
+        [[0, 1, 4, 5], [1, 2, 3, 4]],
+        letter,
+        angle=180.0,
+    )
+    document = document_of(sheet)
+    document["edges_foldAngle"] = [None] * 7
+    folded = [[0, 0], [10, 0], [0, 0], [0, 10], [10, 10], [0, 10]]
+    document["file_frames"] = [{"frame_classes": ["foldedForm"], "vertices_coords": folded}]
+    path = tmp_path / "flat.fold"
+    path.write_text(json.dumps(document))
+    back = read_fold(path)
+    assert back.edges_foldAngle.tolist() == sheet.edges_foldAngle.tolist()
+    assert inspect_angles(back) == []
+    (frame,) = document_of(back)["file_frames"]
+    ((one, two, side),) = frame["faceOrders"]
+    assert (one, two) == tuple(back.edges_faces[back.edges_assignment == letter][0])
+    assert side == {"M": -1, "V": 1}[letter]
+
+
+def test_faces_in_space_have_no_order(pattern):
+    (frame,) = document_of(pattern)["file_frames"]
+    assert "faceOrders" not in frame
+
+
+def test_states_are_frames_of_their_own(tmp_path, pattern):
+    half = Miura(columns=3, rows=3, fold=0.4).grow().mesh
+    flat = np.pad(pattern.vertices_coords, ((0, 0), (0, 1)))
+    states = [("flat", flat), ("half", half.vertices_coords * 10.0)]
+    path = tmp_path / "sheet.fold"
+    for folded in (pattern.folded_coords, None):
+        sheet = replace(pattern, folded_coords=folded)
+        path.write_bytes(fold_bytes(sheet, "sheet", states))
+        back = read_pattern_file(path, strict=True)
+        assert back.title == "sheet"
+        assert [title for title, _ in back.states] == ["flat", "half"]
+        for (_, found), (_, given_points) in zip(back.states, states, strict=True):
+            assert np.array_equal(found, given_points)
+        assert (back.pattern.folded_coords is None) == (folded is None)
+        again = fold_bytes(back.pattern, "sheet", back.states)
+        assert again == path.read_bytes()
+    frames = document_of(pattern, states)["file_frames"]
+    assert set(frames[1]["edges_foldAngle"]) == {0.0}
+    angles = np.array(frames[2]["edges_foldAngle"])
+    assert (np.sign(angles) == np.sign(pattern.edges_foldAngle)).all()
+    assert np.abs(angles).max() > 1
+
+
+def test_states_that_do_not_fit_are_refused(pattern):
+    points = pattern.folded_coords.copy()
+    with pytest.raises(InvalidValue, match=r"have the shape \(16, 3\)"):
+        fold_bytes(pattern, "sheet", [("half", points[1:])])
+    points[3, 1] = np.nan
+    with pytest.raises(InvalidValue, match="vertex 3 is out of bounds: it must be finite"):
+        fold_bytes(pattern, "sheet", [("half", points)])
+
+
+def test_other_folded_frames_are_states_in_units_of_their_own(tmp_path, pattern):
+    document = document_of(pattern)
+    points = np.array(document["file_frames"][0]["vertices_coords"])
+    frame = {"frame_classes": ["foldedForm"], "frame_title": "later"}
+    document["file_frames"] += [
+        {**frame, "frame_unit": "cm", "vertices_coords": (points / 10).tolist()},
+        {**frame, "vertices_coords": points[1:].tolist()},
+    ]
+    path = tmp_path / "frames.fold"
+    path.write_text(json.dumps(document))
+    read = read_pattern_file(path)
+    assert read.pattern.folded_coords == pytest.approx(points)
+    ((title, later),) = read.states
+    assert title == "later"
+    assert later == pytest.approx(points)
+    assert [finding.code for finding in read.findings] == ["folded-form-differs"]
+
+
+def test_a_folded_form_alone_is_no_sheet(tmp_path, pattern):
+    document = document_of(pattern)
+    document["frame_classes"] = ["foldedForm"]
+    path = tmp_path / "folded.fold"
+    path.write_text(json.dumps(document))
+    with pytest.raises(InvalidFile, match="every frame is a folded form"):
+        read_pattern(path)
+    flat = {"vertices_coords": document["vertices_coords"], "frame_parent": 0}
+    document["file_frames"] = [{**flat, "frame_inherit": True, "frame_classes": []}]
+    document["vertices_coords"] = pattern.folded_coords.tolist()
+    path.write_text(json.dumps(document))
+    assert np.array_equal(read_fold(path).folded_coords, pattern.folded_coords)
 
 
 def test_frames_may_stand_in_any_order_and_coordinates_may_be_plane(tmp_path, pattern):
@@ -107,12 +229,12 @@ def test_clockwise_faces_are_turned_around(tmp_path, pattern):
     assert read_fold(path).counts() == pattern.counts()
     document["faces_vertices"][0].reverse()
     path.write_text(json.dumps(document))
-    with pytest.raises(InvalidFile, match="counterclockwise"):
-        read_fold(path)
+    assert read_fold(path).counts() == pattern.counts()
 
 
 def test_null_angles_are_those_of_the_letters(tmp_path, pattern):
     document = document_of(pattern)
+    del document["file_frames"]
     document["edges_foldAngle"] = [None] * len(document["edges_vertices"])
     path = tmp_path / "null.fold"
     path.write_text(json.dumps(document))
@@ -136,14 +258,12 @@ NAN = float("nan")
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"faces_vertices": None}, "faces_vertices is missing"),
-        ({"faces_vertices": []}, "at least one face"),
         ({"faces_vertices": [[0, 1]]}, "at least 3 corners"),
         ({"faces_vertices": [[0, 1, 99]]}, "vertex 99; vertices run from 0 to 15"),
         ({"faces_vertices": [[0, 1, -1]]}, "vertex -1"),
         ({"faces_vertices": [[0, 1, 1.5]]}, "vertex 1.5"),
         ({"faces_vertices": [[0, 1, 5, 1]]}, "passes a vertex twice"),
-        ({"faces_vertices": [[0, 1, 5], [0, 1, 5]]}, "wound"),
+        ({"faces_vertices": [[0, 1, 5], [0, 1, 5]]}, "same corners"),
         ({"vertices_coords": "none"}, "must be a list"),
         ({"vertices_coords": []}, "at least 3 points"),
         ({"vertices_coords": [[0, 0], [1]]}, "alike in length"),
@@ -158,19 +278,30 @@ NAN = float("nan")
         ({"edges_foldAngle": [NAN] + [0.0] * 23}, "-180 to 180"),
         ({"edges_vertices": [[0, 1, 2]] * 24}, "two vertex numbers"),
         ({"edges_vertices": [["a", 1]] * 24}, "two vertex numbers"),
-        ({"edges_assignment": ["M"]}, "1 edges_assignment for 24 edges"),
-        ({"edges_vertices": [[0, 1]] * 24}, "lacks the side"),
+        ({"edges_assignment": ["M"]}, "1 entries of edges_assignment for 24 edges"),
+        (
+            {"edges_vertices": [[0, 1]] * 24, "edges_assignment": ["B"] * 24},
+            "lacks the side",
+        ),
         ({"file_frames": [3]}, "frame 1 must be an object"),
         ({"file_frames": [{"frame_inherit": True, "frame_parent": 7}]}, "frame_parent 7"),
         ({"file_frames": [{"frame_inherit": True, "frame_parent": 1}]}, "frame_parent 1"),
-        ({"file_frames": [], "edges_foldAngle": None}, "neither edges_foldAngle nor a folded"),
+        (
+            {"edges_vertices": None},
+            "edges_vertices is missing, so that nobody knows which edges edges_assignment",
+        ),
+        (
+            {"edges_vertices": None, "edges_assignment": None},
+            "edges_vertices is missing, so that nobody knows which edges edges_foldAngle",
+        ),
         (
             {
+                "edges_foldAngle": None,
                 "file_frames": [
-                    {"frame_classes": ["foldedForm"], "vertices_coords": [[0, 0, 0]] * 3}
-                ]
+                    {"frame_classes": ["foldedForm"], "vertices_coords": [[0, 0, 0]] * 16}
+                ],
             },
-            "the folded form has 3 vertices",
+            "folded form: edge .* without length",
         ),
     ],
 )

@@ -1,5 +1,6 @@
 """Jobs: templates, reports, bad input, and writing that loses nothing."""
 
+import errno
 import hashlib
 import json
 import subprocess
@@ -175,6 +176,7 @@ def test_published_parameters_overlap_and_the_report_says_so():
     (finding,) = made.findings
     assert finding.code == "development-overlaps"
     assert finding.severity == Severity.ERROR
+    assert "`quadfold fabricate` cuts its FOLD file into pieces" in finding.text
     assert finding.panels
 
 
@@ -304,9 +306,14 @@ def test_writing_replaces_old_files_and_leaves_nothing_beside_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("error", "raised"), [(KeyboardInterrupt, KeyboardInterrupt), (OSError, InvalidJob)]
+    ("error", "raised", "text"),
+    [
+        (KeyboardInterrupt("stop"), KeyboardInterrupt, "stop"),
+        (OSError("stop"), InvalidJob, "stop. No half file was left. Choose another --out"),
+        (OSError(errno.ENOSPC, "full"), InvalidJob, "full. No half file was left. Free some space"),
+    ],
 )
-def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raised):
+def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raised, text):
     made = make(parse_job(SMALL), [Format.SVG, Format.DXF])
     from pathlib import Path
 
@@ -317,11 +324,11 @@ def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raise
         calls.append(self)
         if len(calls) == 2:
             written(self, data[:100])
-            raise error("stop")
+            raise error
         return written(self, data)
 
     monkeypatch.setattr(Path, "write_bytes", failing)
-    with pytest.raises(raised):
+    with pytest.raises(raised, match=text):
         write(made, tmp_path / "fresh" / "out")
     assert list(tmp_path.iterdir()) == []
 

@@ -112,9 +112,12 @@ def test_creases_too_short_for_their_margins_are_named():
     mesh = Miura(columns=4, rows=3).grow().mesh
     pattern = crease_pattern(mesh, develop(mesh), 20.0)
     paths, findings = perforate(pattern, PerforationSettings(margin_mm=10.0))
-    assert [f.code for f in findings] == ["crease-too-short"] * 2
-    named = {c for f in findings for c in f.creases}
-    assert named == set(np.flatnonzero(np.isin(pattern.edges_assignment, ["M", "V"])).tolist())
+    assert [(f.code, f.severity) for f in findings] == [("crease-too-short", Severity.ERROR)]
+    counts = pattern.counts()
+    told = f"{counts['M']} of {counts['M']} mountain and {counts['V']} of {counts['V']} valley"
+    assert findings[0].text.startswith(told)
+    folded = np.isin(pattern.edges_assignment, ["M", "V"])
+    assert findings[0].creases == tuple(np.flatnonzero(folded).tolist())
     assert all(len(layer.segments) == 0 for layer in paths.layers)
 
 

@@ -16,7 +16,7 @@ from fab import partition
 from fab.crease import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.development import develop, overlapping_faces
 from fab.job import load_job
-from fab.labels import highest, text_outlines, text_width
+from fab.labels import highest, number_text, text_outlines, text_width
 from fab.partition import Sheet, extent
 from fab.pieces import Pieces, SheetSplit, split
 from fab.polygons import ring_areas
@@ -154,7 +154,7 @@ def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None
             assert piece.pattern.edges_foldAngle[edge] == expected
             assert (piece.pattern.edges_faces[edge, 1] >= 0) == (seam.tab == side)
             both = seam.pieces[0] == seam.pieces[1]
-            assert written[seam.pieces[side]][str(seam.label)] >= 1 + both
+            assert written[seam.pieces[side]][number_text(seam.label)] >= 1 + both
         assert set(seam.pieces) & assembled or min(seam.pieces) not in assembled
         assembled |= set(seam.pieces)
     for piece in pieces:
@@ -236,7 +236,6 @@ def test_two_squares_have_one_seam_whose_tab_is_exact():
     assert [finding.code for finding in findings] == ["sheet-split"]
     (seam,) = made.seams
     assert (seam.label, seam.pieces, seam.length_mm, seam.fold_angle_deg) == (1, (0, 1), 40, 0)
-    assert made.glue_up() == [(1, "A", "B", 40.0)]
     bearer = made.pieces[seam.pieces[seam.tab]]
     assert areas(bearer.pattern).tolist() == pytest.approx([1600, (40 + 24) / 2 * 8])
     assert sorted(bearer.pattern.counts().values()) == [0, 0, 1, 6]
@@ -562,6 +561,34 @@ def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
         assert room.covers(box) == inside
 
 
+@given(st.integers(0, 10**6), st.floats(0, 7))
+def test_the_highest_text_on_a_line_touches_the_room_and_stays_inside(seed, slant):
+    """Its middle is one height above the middle of a side of the room."""
+    random = np.random.default_rng(seed)
+    angle = np.pi * np.sort(random.uniform(0.05, 0.95, 7))
+    radius = random.uniform(3, 20, 7)
+    upper = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+    half = random.uniform(1, 20)
+    turn = np.array([[np.cos(slant), np.sin(slant)], [-np.sin(slant), np.cos(slant)]])
+    anchor = random.uniform(-50, 50, 2)
+    room = shapely.Polygon(np.vstack([[[-half, 0], [half, 0]], upper]) @ turn + anchor)
+    assume(room.is_valid)
+    height = highest("17", anchor, slant, room, 1.0)
+    for share, inside in ((0.3, True), (1 - 1e-6, True), (1 + 1e-6, False)):
+        h, w = share * height, (text_width("17") + 0.4) / 2
+        corners = h * np.array([[-w, 0.4], [w, 0.4], [w, 1.6], [-w, 1.6]])
+        assert room.covers(shapely.Polygon(corners @ turn + anchor)) == inside
+
+
+def test_numbers_are_as_high_as_their_faces_let_them_be():
+    """Two rows of flat faces: the name, and a number on each side of the seam."""
+    coords = [[0, 0], [40, 0], [40, 3], [0, 3], [40, 6], [0, 6]]
+    pattern = flat_pattern(coords, [(0, 1, 2, 3), (3, 2, 4, 5)])
+    made, _ = split(pattern, SheetSplit(margin_mm=0, tabs=False), (41.0, 5.0))
+    numbers = [label for piece in made.pieces for label in piece.labels if label.text == "1"]
+    assert [label.height_mm for label in numbers] == pytest.approx([3 / 1.6] * 2)
+
+
 def test_names_run_on_after_z():
     made, _ = split(grid(28, 1, 30.0), SheetSplit(tabs=False), (42.0, 42.0))
     assert [piece.name for piece in made.pieces][-3:] == ["Z", "AA", "AB"]
@@ -639,6 +666,18 @@ def test_the_checks_see_what_is_wrong():
         check(pattern, Pieces(pieces, made.seams), given_, (95, 95))
 
 
+def test_numbers_that_are_others_upside_down_have_a_full_stop():
+    turned = {"0": "0", "1": "1", "6": "9", "8": "8", "9": "6"}
+    stopped = [n for n in range(1, 1000) if number_text(n) != str(n)]
+    assert stopped[:10] == [6, 9, 16, 18, 19, 61, 66, 68, 81, 86]
+    for n in range(1, 1000):
+        assert number_text(n) == f"{n}{'.' * (n in stopped)}"
+        read = "".join(turned.get(digit, "?") for digit in reversed(str(n)))
+        other = "?" not in read and read[0] != "0" and int(read) != n
+        assert other == (n in stopped)
+    assert len(text_outlines("6.", 4.0, (0.0, 0.0), 0.0)) == 3
+
+
 def test_letters_have_their_height_middle_and_direction():
     rings = text_outlines("A1", 4.0, (10.0, 20.0), 0.0)
     every = np.concatenate(rings)
@@ -649,3 +688,20 @@ def test_letters_have_their_height_middle_and_direction():
     arm = every - [10, 20]
     assert upward == pytest.approx(np.column_stack([10 - arm[:, 1], 20 + arm[:, 0]]))
     assert len(rings) == 3  # the A has a hole
+
+
+def test_progress_is_told_up_to_the_last_face_and_can_interrupt():
+    pattern = grid(12, 12, 30.0)
+    told = []
+    made, _ = split(pattern, SheetSplit(), (150.0, 120.0), lambda *steps: told.append(steps))
+    assert len(told) > len(made.pieces) > 1
+    assert {total for _, total in told} == {2 * pattern.face_count}
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert sum(0 < done < pattern.face_count for done, _ in told) > 1
+    assert told[-1] == (288, 288)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        split(pattern, SheetSplit(), (150.0, 120.0), stop)

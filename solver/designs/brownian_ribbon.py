@@ -9,16 +9,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 from solver import seeds
-from solver.errors import InvalidValue, require_count, require_within
+from solver.designs.walks import can_fold, random_walks
+from solver.errors import InvalidValue, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
-from solver.vectors import FloatArray, angle_between, norm
+from solver.vectors import FloatArray, norm
 
 __all__ = ["BrownianRibbon", "ribbon"]
 
-# Walks are drawn anew until every vertex has this much room to fold, in radians.
+# Walks are drawn anew until every vertex has room to fold.
 _DRAWS = 20_000
-_ROOM = 1e-3
 
 
 @dataclass(frozen=True)
@@ -45,14 +45,9 @@ class BrownianRibbon:
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the ribbon. Raises `InvalidValue` for parameters out of bounds."""
-        require_count("steps", self.steps, 3, "A ribbon needs interior creases.")
         require_within("turn", self.turn, 0.0, 2.001 * np.pi, "A circle has 360.", angle=True)
         require_within("width_share", self.width_share, 0.0, 1.0, "One half is safe.")
-        require_count("random_seed", self.random_seed, 0, "Any whole number in this range will do.")
-        random = np.random.Generator(np.random.PCG64(self.random_seed))
-        for _ in range(_DRAWS):
-            walk = np.zeros((self.steps + 1, 3))
-            walk[1:] = np.cumsum(random.normal(size=(self.steps, 3)), axis=0)
+        for walk in random_walks(self.steps, self.random_seed, _DRAWS):
             if _has_room(walk, self.turn):
                 return ribbon(
                     walk,
@@ -71,14 +66,12 @@ class BrownianRibbon:
 
 def _has_room(walk: FloatArray, turn: float) -> bool:
     """Whether beta < k < 2 pi - beta at every vertex of the walk."""
-    edges = np.diff(walk, axis=0)
-    sizes = norm(edges)
+    sizes = norm(np.diff(walk, axis=0))
     outer = _outer_radius(sizes, turn)
     if outer is None:
         return False
     base = np.arccos(sizes / (2 * outer))
-    k, beta = base[1:] + base[:-1], angle_between(-edges[:-1], edges[1:])
-    return bool(((k - beta > _ROOM) & (2 * np.pi - beta - k > _ROOM)).all())
+    return can_fold(walk, base[1:] + base[:-1])
 
 
 def ribbon(

@@ -10,7 +10,8 @@ from scipy.sparse import diags_array, hstack
 from scipy.sparse.linalg import spsolve
 
 from solver import seeds
-from solver.errors import InvalidValue, require_count, require_within
+from solver.designs.walks import can_fold, random_walks
+from solver.errors import InvalidValue, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import ComplexArray, FloatArray, angle_between, full_turn, norm
@@ -20,9 +21,8 @@ __all__ = ["OUTLINES", "Outline", "ShapedRibbon", "chords"]
 # Points of a plane curve and their derivatives for parameters in [0, 1], as complex numbers.
 Outline = Callable[[FloatArray], tuple[ComplexArray, ComplexArray]]
 
-# Walks are drawn anew until every vertex has this much room to fold, in radians.
+# Walks are drawn anew until every vertex has room to fold.
 _DRAWS = 2000
-_ROOM = 1e-3
 
 
 def _ellipse(t: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -75,13 +75,8 @@ class ShapedRibbon:
             raise InvalidValue(
                 "outline", self.outline, f"be one of {', '.join(OUTLINES)}", "Try spiral."
             )
-        require_count("steps", self.steps, 3, "A ribbon needs interior creases.")
         require_within("width_share", self.width_share, 0.0, 1.0, "One half is safe.")
-        require_count("random_seed", self.random_seed, 0, "Any whole number in this range will do.")
-        random = np.random.Generator(np.random.PCG64(self.random_seed))
-        for _ in range(_DRAWS):
-            walk = np.zeros((self.steps + 1, 3))
-            walk[1:] = np.cumsum(random.normal(size=(self.steps, 3)), axis=0)
+        for walk in random_walks(self.steps, self.random_seed, _DRAWS):
             k = _room_to_fold(walk, OUTLINES[self.outline])
             if k is not None:
                 return grow(seeds.curve(walk), 1, self._strip(k), k=k, progress=progress)
@@ -107,14 +102,12 @@ class ShapedRibbon:
 
 def _room_to_fold(walk: FloatArray, outline: Outline) -> FloatArray | None:
     """Angles k of the walk on the outline; None without beta < k < 2 pi - beta everywhere."""
-    edges = np.diff(walk, axis=0)
-    points = chords(outline, norm(edges))
+    points = chords(outline, norm(np.diff(walk, axis=0)))
     if points is None:
         return None
     along = np.diff(points)
     k = full_turn(np.angle(-along[:-1] / along[1:]))  # on the left
-    beta = angle_between(-edges[:-1], edges[1:])
-    return k if (np.abs(k - np.pi) < np.pi - beta - _ROOM).all() else None
+    return k if can_fold(walk, k) else None
 
 
 def chords(outline: Outline, sizes: FloatArray) -> ComplexArray | None:

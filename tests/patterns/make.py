@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from itertools import pairwise
-from math import cos, pi, sin, sqrt, tan
+from math import atan, cos, degrees, hypot, pi, radians, sin, sqrt, tan
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -96,7 +96,7 @@ def square_twist() -> dict:
     rim += [(half, half), (-half, half), (-half, -half), (half, -half)]
     number = sorted(rim, key=lambda q: _around_square(*q, half))
     sheet.line("B", *number, number[0])
-    angles = [{"M": -170, "V": 170}.get(letter) for letter in sheet.edges.values()]
+    angles = [{"M": -180, "V": 180}.get(letter) for letter in sheet.edges.values()]
     return sheet.document("square twist", 1.2, frame_unit="mm", edges_foldAngle=angles)
 
 
@@ -235,7 +235,197 @@ def yoshimura() -> dict:
     return document
 
 
-PATTERNS = (bird_base, square_twist, waterbomb, resch, popup, yoshimura)
+def crane() -> dict:
+    """The crane, traditional: a bird base, its four corners beside the legs folded to the middle,
+    both legs reversed inside for neck and tail, and the end of the neck once more for the head.
+    Folded flat, wings up; as in R. J. Lang, Origami Design Secrets (2nd ed. 2011), ch. 4.
+
+    The legs are the corners on the rising diagonal, each of eight layers between rays at multiples
+    of 11.25 degrees. Fold angles on all edges, no faces.
+    """
+    sheet, h, step = Sheet(), 75.0, pi / 16
+    p = h * (1 - tan(pi / 8))
+    to_p = h / cos(pi / 8)
+
+    def turned(x: float, y: float, leg: int, mirrored: bool) -> tuple[float, float]:
+        return (leg * y, leg * x) if mirrored else (leg * x, leg * y)
+
+    def reverse(radius: float, turn: float) -> list[float]:
+        """Places on the rays 0 to 4: the fold turns by 2 turn from pointing back."""
+        other = radius * cos(turn) / cos(turn - step)
+        return [other if j % 2 else radius for j in range(5)]
+
+    def kite(toward: float) -> tuple[float, float]:
+        """Where the fold around P, from the corner of the leg, meets the ray in a direction."""
+        beta = {180: 112.5, 225: 67.5, 292.5: 135}[toward]
+        reach = to_p * sin(step) / sin(radians(beta) + step)
+        return p + reach * cos(radians(toward)), reach * sin(radians(toward))
+
+    for leg, mirrored in ((1, False), (1, True), (-1, False), (-1, True)):
+
+        def place(x: float, y: float, which=(leg, mirrored)) -> tuple[float, float]:
+            return turned(x, y, *which)
+
+        def ray(j: int, radius: float, at=place) -> tuple[float, float]:
+            turn = -pi / 2 - j * step
+            return at(h + radius * cos(turn), h + radius * sin(turn))
+
+        corner, wing, center, point = place(h, h), place(h, -h), (0.0, 0.0), place(p, 0)
+        x, y, z = (place(*kite(toward)) for toward in (180, 225, 292.5))
+        folds = [reverse(h, pi / 8)] + [reverse(0.35 * h, pi / 4)] * (leg == 1)
+        ends = {1: ("M", z), 2: ("V", point), 3: ("V", x)}
+        for j, (letter, end) in ends.items():
+            sheet.line(letter, end, *[ray(j, radii[j]) for radii in folds], corner)
+        if not mirrored:
+            marks = [center, *[ray(4, radii[4]) for radii in folds], corner]
+            for letter, one, two in zip("MVM", marks, marks[1:], strict=False):
+                sheet.line(letter, one, two)
+        for letters, radii in zip(("VMVM", "MVMV"), folds, strict=False):
+            for j, letter in enumerate(letters):
+                sheet.line(letter, ray(j, radii[j]), ray(j + 1, radii[j + 1]))
+        rim = [ray(0, radii[0]) for radii in folds]
+        sheet.line("B", wing, *rim, corner)
+        sheet.line("V", center, x, point)
+        sheet.line("V", point, z, wing)
+        sheet.line("M", x, y)
+        sheet.line("V", y, z)
+        sheet.line("M", point, y)
+        if leg == 1:  # the hinge of a wing, from this kite to that of the other leg
+            sheet.line("M", y, turned(*kite(225), -leg, not mirrored))
+    angles = [{"M": -180, "V": 180, "B": 0}[letter] for letter in sheet.edges.values()]
+    return sheet.document("crane", 1.1, frame_unit="mm", edges_foldAngle=angles)
+
+
+def box() -> dict:
+    """An open box, traditional: walls of one unit, and corners folded in two, outside on a wall.
+
+    Angles that close: walls stand at 90 degrees, corners lie flat on them. Two inches high.
+    """
+    sheet, size, height = Sheet(), 3.0, 2.0
+    angles: list[float] = []
+
+    def line(angle: float, *points: tuple[float, float]) -> None:
+        sheet.line("B" if not angle else "V" if angle > 0 else "M", *points)
+        angles.extend([angle] * (len(sheet.edges) - len(angles)))
+
+    a, b = size / 2, size / 2 + height
+    for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1)):
+
+        def place(x: float, y: float, turn=(c, s)) -> tuple[float, float]:
+            return turn[0] * x - turn[1] * y, turn[1] * x + turn[0] * y
+
+        line(90, place(a, -a), place(a, a))
+        line(90, place(a, a), place(b, a))
+        line(180, place(a, a), place(b, b))
+        line(-180, place(a, a), place(a, b))
+        line(0, place(b, -a), place(b, a), place(b, b), place(a, b))
+    return sheet.document("box", 1.2, frame_unit="in", edges_foldAngle=angles)
+
+
+def maze() -> dict:
+    """Walls along all lines of a grid, of height h = 1 between cells of 1; as in E. D. Demaine, M.
+    L. Demaine, J. Ku, Folding any orthogonal maze, Origami 5 (2011): each cell takes 2h + 1 of
+    paper. Walls are ridges of two layers; where two of them cross, a square of 2h becomes a flap
+    of eight triangles that lies on one of the walls, here on another one each time.
+
+    Angles of 90 and 180 degrees that close. No unit; faces left out.
+    """
+    sheet, count = Sheet(), 2
+    angles: list[float] = []
+    end = 3.0 * count
+
+    def line(angle: float, letter: str, *points: tuple[float, float]) -> None:
+        sheet.line(letter, *points)
+        angles.extend([angle] * (len(sheet.edges) - len(angles)))
+
+    for k in range(count):
+        for m in range(count):
+            turn = ((1, 0), (0, 1), (-1, 0), (0, -1))[(2 * k + m) % 4]
+
+            def place(x: float, y: float, at=(k, m), t=turn) -> tuple[float, float]:
+                return 3 * at[0] + 1.5 + t[0] * x - t[1] * y, 3 * at[1] + 1.5 + t[1] * x + t[0] * y
+
+            center = place(0, 0)
+            for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1)):
+                line(-180, "M", center, place(x, y), place(1.5 * x, 1.5 * y))
+                for side in (-1, 1):
+                    one, two = (
+                        (x - side * y, y + side * x),
+                        (1.5 * x - side * y, 1.5 * y + side * x),
+                    )
+                    line(90, "V", place(*one), place(*two))
+            line(-180, "M", center, place(1, 1))
+            for x, y in ((-1, 1), (-1, -1), (1, -1)):
+                line(180, "V", center, place(x, y))
+            line(180, "V", place(1, 0), place(1, 1))
+            line(-180, "M", place(1, 0), place(1, -1))
+            line(90, "V", place(0, 1), place(1, 1))
+            line(90, "V", place(0, -1), place(1, -1))
+            line(-90, "M", place(0, 1), place(-1, 1))
+            line(-90, "M", place(0, -1), place(-1, -1))
+            line(0, "F", place(-1, 0), place(-1, 1))
+            line(0, "F", place(-1, 0), place(-1, -1))
+    marks = sorted({0.0, end, *(3 * k + 1.5 + side for k in range(count) for side in (-1, 0, 1))})
+    for fixed in (0.0, end):
+        line(0, "B", *[(mark, fixed) for mark in marks])
+        line(0, "B", *[(fixed, mark) for mark in marks])
+    return sheet.document("maze", 1.2, edges_foldAngle=angles)
+
+
+def miura() -> dict:
+    """The sheet of K. Miura, Method of packaging and deployment of large membranes in space (1985),
+    triangulated for a program that knows no other faces: their short diagonals join them (J).
+
+    Rows fold by 2 atan(cos 60 tan(fold / 2)), columns by fold = 110 degrees, so that angles close.
+    """
+    sheet, columns, rows, size, sector = Sheet(), 5, 4, 30.0, pi / 3
+    fold = 110.0
+    bend = degrees(2 * atan(cos(sector) * tan(radians(fold) / 2)))
+    angles, faces = [], []
+
+    def place(i: int, j: int) -> tuple[float, float]:
+        return size * (i + (j % 2) * cos(sector)), size * j * sin(sector)
+
+    def line(angle: float, letter: str, *points: tuple[float, float]) -> None:
+        sheet.line(letter, *points)
+        angles.append(angle if letter == "V" else -angle if letter == "M" else 0.0)
+
+    for j in range(rows + 1):
+        for i in range(columns + 1):
+            if i < columns:
+                letter = "MV"[(i + j) % 2]
+                line(bend, "B" if j in (0, rows) else letter, place(i, j), place(i + 1, j))
+            if j < rows:
+                letter = "VM"[i % 2]
+                line(fold, "B" if i in (0, columns) else letter, place(i, j), place(i, j + 1))
+            if i < columns and j < rows:
+                a, b = place(i, j), place(i + 1, j)
+                c, d = place(i + 1, j + 1), place(i, j + 1)
+                short = hypot(a[0] - c[0], a[1] - c[1]) < hypot(b[0] - d[0], b[1] - d[1])
+                line(0.0, "J", *((a, c) if short else (b, d)))
+                faces += [[a, b, c], [a, c, d]] if short else [[a, b, d], [b, c, d]]
+    numbers = [[sheet.vertex(*point) for point in face] for face in faces]
+    return sheet.document(
+        "Miura sheet of triangles",
+        1.1,
+        frame_unit="mm",
+        faces_vertices=numbers,
+        edges_foldAngle=angles,
+    )
+
+
+PATTERNS = (
+    bird_base,
+    box,
+    crane,
+    maze,
+    miura,
+    popup,
+    resch,
+    square_twist,
+    waterbomb,
+    yoshimura,
+)
 
 
 def text_of(document: dict) -> str:

@@ -1,0 +1,88 @@
+"""Fold angles around vertices: against plain products of matrices, and where nothing must close."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from flat_patterns import fan, grid, pattern_of, triangles
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from strategies import patches
+
+from fab.closure import closure_gaps_deg
+from fab.crease import crease_pattern
+from fab.development import develop
+from fab.inspection import inspect_closure
+
+
+@given(mesh=patches())
+def test_angles_of_folded_sheets_close(mesh):
+    pattern = crease_pattern(mesh, develop(mesh), 10.0)
+    gaps = closure_gaps_deg(pattern)
+    rim = np.unique(pattern.edges_vertices[pattern.edges_faces[:, 1] < 0])
+    assert np.isnan(gaps[rim]).all()
+    inside = np.setdiff1d(np.arange(len(gaps)), rim)
+    assert (gaps[inside] < 1e-6).all()
+    assert inspect_closure(pattern) == []
+
+
+@given(st.integers(3, 12), st.integers(0, 2**32 - 1))
+def test_the_gap_is_the_angle_of_the_product_of_all_turns(sides, seed):
+    random = np.random.default_rng(seed)
+    sheet = fan(sides, 10.0, "V")
+    spokes = sheet.edges_assignment == "V"
+    angles = np.zeros(len(spokes))
+    angles[spokes] = random.uniform(-180, 180, sides)
+    sheet = replace(sheet, edges_foldAngle=angles)
+    ends = sheet.edges_vertices[spokes].sum(axis=1)  # the other end is vertex 0
+    product = np.eye(3)
+    for v in range(1, sides + 1):
+        x, y = sheet.vertices_coords[v] / 10.0
+        turn = np.radians(angles[spokes][ends == v][0])
+        product = product @ Rotation.from_rotvec(turn * np.array([x, y, 0.0])).as_matrix()
+    gap = np.degrees(Rotation.from_matrix(product).magnitude())
+    assert closure_gaps_deg(sheet)[0] == pytest.approx(gap, abs=1e-6)
+    assert np.isnan(closure_gaps_deg(sheet)[1:]).all()
+
+
+@pytest.mark.parametrize("off", [0.02, 1.0, 30.0])
+def test_a_crease_that_is_off_opens_its_vertex_by_as_much(off):
+    sheet = grid(2, 2, 10.0)
+    across = np.isin(sheet.edges_vertices, [3, 5]).any(axis=1) & (sheet.edges_faces[:, 1] >= 0)
+    angles = np.where(across, 90.0, 0.0)
+    assert inspect_closure(replace(sheet, edges_foldAngle=angles)) == []
+    angles = np.where(across & (np.cumsum(across) == 1), 90.0 + off, angles)
+    sheet = replace(sheet, edges_foldAngle=angles)
+    assert closure_gaps_deg(sheet)[4] == pytest.approx(off)
+    (finding,) = inspect_closure(sheet)
+    assert finding.code == "angles-open"
+    assert "vertex 4 at (10, 10) mm" in finding.text
+    assert f"by {off:.4g} degrees" in finding.text
+
+
+@pytest.mark.parametrize("letter", ["C", "U"])
+def test_cuts_and_free_creases_leave_a_vertex_open(letter):
+    whole = fan(6, 10.0, "V")
+    letters = whole.edges_assignment.copy()
+    letters[np.flatnonzero(letters == "V")[0]] = letter
+    faces = whole.faces_vertices.reshape(-1, 3).tolist()
+    sheet = pattern_of(whole.vertices_coords, faces, letters)
+    assert np.isnan(closure_gaps_deg(sheet)).all()
+    assert np.isfinite(closure_gaps_deg(whole)[0])
+    assert inspect_closure(sheet) == []
+
+
+def test_sheets_that_turn_twice_around_a_vertex_are_left_out():
+    angle = np.arange(12) * np.pi / 3
+    rim = 100 * np.column_stack([np.cos(angle), np.sin(angle)])
+    faces = [[0, 1 + i, 1 + (i + 1) % 12] for i in range(12)]
+    sheet = pattern_of(np.vstack([[[0.0, 0.0]], rim]), faces, "V")
+    assert np.isnan(closure_gaps_deg(sheet)).all()
+
+
+def test_flat_sheets_close_everywhere_inside():
+    sheet = triangles(3)
+    flat = replace(sheet, edges_foldAngle=np.zeros(len(sheet.edges_foldAngle)))
+    gaps = closure_gaps_deg(flat)
+    assert (gaps[np.isfinite(gaps)] == 0).all()
