@@ -259,7 +259,8 @@ def simulate(
     """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
     with _answers() as interrupts:
         from fab.make import require_folder, write
-        from fab.simulate import SimulationFormat, Solver, simulate
+        from fab.simulate import SimulationFormat, simulate
+        from fab.simulation import Solver
 
         formats = _formats(only, SimulationFormat) or list(SimulationFormat)
         require_folder(out)

@@ -22,6 +22,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fab.bodies import cap_triangles
 from fab.crease import CreasePattern
+from fab.kinematics import unknown_angles
 from fab.opened import Opened, edges_between, opened
 from fab.polygons import by_size
 from fab.stiffness import Stiffness
@@ -68,8 +69,8 @@ class Framework:
     hinges_triangles : shape (nh, 2).
     hinges_edge : shape (nh,), edge of the sheet; -1 for facet creases.
     hinges_length, hinges_stiffness : shape (nh,), the latter k_hinge l0.
-    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and for
-        unassigned ones, which have no stiffness; nor have slits of one edge.
+    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and those
+        of unknown angle (`fab.kinematics.unknown_angles`), which have no stiffness.
     """
 
     sheet: Opened
@@ -206,11 +207,10 @@ def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Fra
     crease = np.full(len(ends), -1)
     between = face[beside[:, 0]] != face[beside[:, 1]]
     crease[between] = edges_between(sheet.pattern, ends[between])
-    letter = np.where(crease < 0, "J", sheet.pattern.edges_assignment[crease])
-    free = np.isin(letter, ["U", "C"])
-    kind = np.select([free, letter == "J"], [0.0, stiffness.facet], stiffness.crease)
-    folds = np.isin(letter, ["M", "V"])
-    target = np.where(folds, np.radians(sheet.pattern.edges_foldAngle[crease]), 0.0)
+    facet = (crease < 0) | (sheet.pattern.edges_assignment[crease] == "J")
+    free = unknown_angles(sheet.pattern)[crease]
+    kind = np.select([facet, free], [stiffness.facet, 0.0], stiffness.crease)
+    target = np.where(facet | free, 0.0, np.radians(sheet.pattern.edges_foldAngle[crease]))
     return Framework(
         sheet,
         size,

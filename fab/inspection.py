@@ -13,10 +13,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fab.bodies import TriangleMesh, prism_meshes
-from fab.closure import closure_gaps_deg
 from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import Finding, Severity
 from fab.hinges import Webs
+from fab.kinematics import vertices_closure_rad
 from fab.panels import Panels, Prisms
 from solver.measure import angle_excess, isometry, planarity
 from solver.vectors import IntArray
@@ -134,7 +134,7 @@ def inspect_angles(pattern: CreasePattern) -> list[Finding]:
 
 def inspect_closure(pattern: CreasePattern) -> list[Finding]:
     """A finding where the fold angles around a vertex do not close."""
-    gaps = np.nan_to_num(closure_gaps_deg(pattern))
+    gaps = np.nan_to_num(np.degrees(vertices_closure_rad(pattern)))
     wrong = np.flatnonzero(gaps > _CLOSURE_DEG)
     if not len(wrong):
         return []

@@ -16,12 +16,9 @@ from fab.crease import CreasePattern
 from fab.opened import edges_between
 from fab.polygons import next_corner
 from fab.trees import face_tree
-from solver.vectors import FloatArray, IntArray, norm, scattered, unit
+from solver.vectors import BoolArray, FloatArray, IntArray, norm, scattered, unit
 
-__all__ = ["Kinematics", "fold_by_angles"]
-
-# Edges about which nothing drives the faces: unassigned ones, and slits that nothing opens.
-_UNKNOWN = ("U", "C")
+__all__ = ["Kinematics", "fold_by_angles", "unknown_angles", "vertices_closure_rad"]
 
 
 @dataclass(frozen=True)
@@ -54,8 +51,7 @@ class Kinematics:
 def fold_by_angles(pattern: CreasePattern) -> Kinematics:
     """Fold rigid faces by `edges_foldAngle`. Cuts between faces must be open (`fab.opened`)."""
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
-    unknown = np.isin(pattern.edges_assignment, _UNKNOWN)
-    turning = np.flatnonzero((pattern.edges_faces[:, 1] >= 0) & ~unknown)
+    turning = np.flatnonzero((pattern.edges_faces[:, 1] >= 0) & ~unknown_angles(pattern))
     ends = flat[pattern.edges_vertices[turning]]
     along = ends[:, 1] - ends[:, 0]
     angle = np.radians(pattern.edges_foldAngle[turning])
@@ -80,11 +76,22 @@ def fold_by_angles(pattern: CreasePattern) -> Kinematics:
         Rotation.from_matrix(turn[one] @ turns @ turn[two].swapaxes(1, 2)) if len(one) else None
     )
     turned = 0.0 if missed is None else missed.magnitude().max()
-    return Kinematics(folded, _closure(pattern, flat), float(gap), float(turned))
+    return Kinematics(folded, vertices_closure_rad(pattern), float(gap), float(turned))
 
 
-def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
-    """Angle of the product of turns around every interior vertex, counterclockwise."""
+def unknown_angles(pattern: CreasePattern) -> BoolArray:
+    """Edges about which faces turn as they like: cuts, and unassigned ones without an angle."""
+    letters = pattern.edges_assignment
+    free = (letters == "C") | ((letters == "U") & (pattern.edges_foldAngle == 0))
+    return np.asarray(free, np.bool_)
+
+
+def vertices_closure_rad(pattern: CreasePattern) -> FloatArray:
+    """Angle of the product of all turns around every vertex, counterclockwise, shape (nv,).
+
+    NaN where nothing has to close: at the border, cuts, and unassigned creases without an angle.
+    """
+    flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     corners, offsets = pattern.faces_vertices, pattern.faces_offsets
     count = len(flat)
     following = next_corner(offsets)
@@ -95,7 +102,7 @@ def _closure(pattern: CreasePattern, flat: FloatArray) -> FloatArray:
     angle = np.radians(pattern.edges_foldAngle[sides])
     axis = flat[corners[before]] - flat[corners]
     border = np.zeros(count, bool)
-    border[corners[(beyond < 0) | np.isin(pattern.edges_assignment[sides], _UNKNOWN)]] = True
+    border[corners[(beyond < 0) | unknown_angles(pattern)[sides]]] = True
     _, start = np.unique(corners, return_index=True)
     start = start[~border[corners[start]]]
     product = np.broadcast_to(np.eye(3), (len(start), 3, 3)).copy()

@@ -38,7 +38,7 @@ from fab.panels import make_panels
 from fab.perforation import perforate
 from solver import DESIGNS, Growth, InvalidValue, Status
 
-__all__ = ["Format", "Made", "Progress", "make", "require_folder", "write"]
+__all__ = ["Format", "Made", "Progress", "grown_pattern", "make", "require_folder", "write"]
 
 # A sheet that covers less of its surface is told of.
 _COVERED = 0.95
@@ -112,19 +112,13 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     formats = [Format(name) for name in job.outputs] if formats is None else formats
     clock = _Clock(progress)
     findings: list[Finding] = []
-    with clock.stage("grow") as step, _named(job):
-        growth = job.design.design(job.folder).grow(step)
-    findings += _growth_findings(growth)
-    with clock.stage("develop"), _named(job):
-        mesh = growth.mesh.cut_open()  # rings and tubes lie flat along a cut
-        development = develop(mesh)
-        pattern = crease_pattern(mesh, development, job.sheet.scale(development))
-    findings += _overlap_findings(development)
+    growth, development, pattern = _grown(job, clock)
+    findings += [*_growth_findings(growth), *_overlap_findings(development)]
     with clock.stage("measure"):
         accuracy = measure_pattern(pattern)
         findings += inspect_accuracy(accuracy, job.tolerance)
     with clock.stage("cross"):
-        folded = mesh.vertices_coords
+        folded = growth.mesh.cut_open().vertices_coords
         crossings = crossing_faces(folded, pattern.faces_vertices, pattern.faces_offsets)
         findings += inspect_crossings(crossings)
 
@@ -141,6 +135,13 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     solids: dict[str, Any] | None = None
     if wanted & {Format.STEP, Format.STL, Format.THREEMF}:
         solids = _solid_files(job, pattern, wanted, files, findings, boxes, clock)
+    simulation: dict[str, Any] | None = None
+    if job.simulation is not None:
+        from fab.simulation import simulated
+
+        _, verdict, told = simulated(pattern, job.simulation, progress=clock.progress)
+        findings += told
+        simulation = verdict.report()
     if Format.PNG in wanted:
         from fab.picture import png_bytes
 
@@ -165,6 +166,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         "crossings": len(crossings),
         "bounding_box_mm": boxes,
         "solids": solids,
+        "simulation": simulation,
         "outputs": [
             {"file": name, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
             for name, data in files.items()
@@ -174,6 +176,23 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     }
     files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     return Made(files, report, tuple(findings))
+
+
+def grown_pattern(
+    job: Job, progress: Progress = _silent
+) -> tuple[CreasePattern, tuple[Finding, ...]]:
+    """The crease pattern of a job, and what is to be told of its growth. Raises as `make`."""
+    growth, _, pattern = _grown(job, _Clock(progress))
+    return pattern, tuple(_growth_findings(growth))
+
+
+def _grown(job: Job, clock: _Clock) -> tuple[Growth, Development, CreasePattern]:
+    with clock.stage("grow") as step, _named(job):
+        growth = job.design.design(job.folder).grow(step)
+    with clock.stage("develop"), _named(job):
+        mesh = growth.mesh.cut_open()  # rings and tubes lie flat along a cut
+        development = develop(mesh)
+        return growth, development, crease_pattern(mesh, development, job.sheet.scale(development))
 
 
 @contextmanager

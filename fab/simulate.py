@@ -9,17 +9,14 @@ from enum import StrEnum
 from typing import Any
 
 from fab.crease import CreasePattern
-from fab.dynamics import fold_dynamically
 from fab.errors import Finding
 from fab.fold_file import fold_bytes
-from fab.folding import Folding, fold
-from fab.framework import framework
 from fab.inspection import inspect_angles
 from fab.make import Made, Progress
+from fab.simulation import Solver, simulated
 from fab.stiffness import FoldSettings
-from fab.verdict import Verdict, findings_of, judge
 
-__all__ = ["SimulationFormat", "Solver", "simulate", "simulated"]
+__all__ = ["SimulationFormat", "simulate"]
 
 
 class SimulationFormat(StrEnum):
@@ -28,36 +25,6 @@ class SimulationFormat(StrEnum):
     FOLD = "fold"
     PNG = "png"
     GIF = "gif"
-
-
-class Solver(StrEnum):
-    """How the sheet is folded: from rest to rest, or by masses that move."""
-
-    QUASI_STATIC = "quasi-static"
-    DYNAMIC = "dynamic"
-
-
-def simulated(
-    pattern: CreasePattern,
-    settings: FoldSettings,
-    solver: Solver = Solver.QUASI_STATIC,
-    progress: Progress | None = None,
-) -> tuple[Folding, Verdict, list[Finding]]:
-    """Fold a pattern and judge it. Raises `InvalidValue` where it has no area."""
-    tell = progress if progress is not None else lambda *_: None
-    frame = framework(pattern, settings)
-
-    def step(done: int, total: int) -> None:
-        tell("fold", done, total)
-
-    if solver is Solver.DYNAMIC:
-        folding = fold_dynamically(frame, settings.steps, progress=step)
-    else:
-        folding = fold(frame, settings.steps, step)
-    tell("judge", 0, 1)
-    verdict = judge(folding)
-    tell("judge", 1, 1)
-    return folding, verdict, findings_of(verdict)
 
 
 def simulate(

@@ -131,7 +131,7 @@ def judge(folding: Folding) -> Verdict:
         worst,
         max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[bad]),
-        int((sheet.pattern.edges_assignment == "U").sum()),
+        int(((frame.hinges_edge >= 0) & (frame.hinges_stiffness == 0)).sum()),
         peak.strain_max,
         peak.load,
         folding.iterations,
@@ -170,7 +170,9 @@ def findings_of(verdict: Verdict) -> list[Finding]:
         elif verdict.open_vertices:
             text += "Its angles do not close: see open_vertices."
         elif verdict.unassigned:
-            text += f"{verdict.unassigned} creases are unassigned: give them M or V and an angle."
+            text += (
+                f"{verdict.unassigned} creases have no angle (U): give them M or V and an angle."
+            )
         else:
             text += "Its angles close, so that another way there may exist: take more steps."
         out.append(

@@ -10,16 +10,16 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from strategies import patches
 
-from fab.closure import closure_gaps_deg
 from fab.crease import crease_pattern
 from fab.development import develop
 from fab.inspection import inspect_closure
+from fab.kinematics import vertices_closure_rad
 
 
 @given(mesh=patches())
 def test_angles_of_folded_sheets_close(mesh):
     pattern = crease_pattern(mesh, develop(mesh), 10.0)
-    gaps = closure_gaps_deg(pattern)
+    gaps = np.degrees(vertices_closure_rad(pattern))
     rim = np.unique(pattern.edges_vertices[pattern.edges_faces[:, 1] < 0])
     assert np.isnan(gaps[rim]).all()
     inside = np.setdiff1d(np.arange(len(gaps)), rim)
@@ -42,8 +42,8 @@ def test_the_gap_is_the_angle_of_the_product_of_all_turns(sides, seed):
         turn = np.radians(angles[spokes][ends == v][0])
         product = product @ Rotation.from_rotvec(turn * np.array([x, y, 0.0])).as_matrix()
     gap = np.degrees(Rotation.from_matrix(product).magnitude())
-    assert closure_gaps_deg(sheet)[0] == pytest.approx(gap, abs=1e-6)
-    assert np.isnan(closure_gaps_deg(sheet)[1:]).all()
+    assert np.degrees(vertices_closure_rad(sheet))[0] == pytest.approx(gap, abs=1e-6)
+    assert np.isnan(np.degrees(vertices_closure_rad(sheet))[1:]).all()
 
 
 @pytest.mark.parametrize("off", [0.02, 1.0, 30.0])
@@ -54,7 +54,7 @@ def test_a_crease_that_is_off_opens_its_vertex_by_as_much(off):
     assert inspect_closure(replace(sheet, edges_foldAngle=angles)) == []
     angles = np.where(across & (np.cumsum(across) == 1), 90.0 + off, angles)
     sheet = replace(sheet, edges_foldAngle=angles)
-    assert closure_gaps_deg(sheet)[4] == pytest.approx(off)
+    assert np.degrees(vertices_closure_rad(sheet))[4] == pytest.approx(off)
     (finding,) = inspect_closure(sheet)
     assert finding.code == "angles-open"
     assert "vertex 4 at (10, 10) mm" in finding.text
@@ -68,21 +68,25 @@ def test_cuts_and_free_creases_leave_a_vertex_open(letter):
     letters[np.flatnonzero(letters == "V")[0]] = letter
     faces = whole.faces_vertices.reshape(-1, 3).tolist()
     sheet = pattern_of(whole.vertices_coords, faces, letters)
-    assert np.isnan(closure_gaps_deg(sheet)).all()
-    assert np.isfinite(closure_gaps_deg(whole)[0])
+    assert np.isnan(np.degrees(vertices_closure_rad(sheet))).all()
+    assert np.isfinite(np.degrees(vertices_closure_rad(whole))[0])
     assert inspect_closure(sheet) == []
 
 
-def test_sheets_that_turn_twice_around_a_vertex_are_left_out():
+def test_sheets_may_turn_twice_around_a_vertex():
     angle = np.arange(12) * np.pi / 3
     rim = 100 * np.column_stack([np.cos(angle), np.sin(angle)])
     faces = [[0, 1 + i, 1 + (i + 1) % 12] for i in range(12)]
-    sheet = pattern_of(np.vstack([[[0.0, 0.0]], rim]), faces, "V")
-    assert np.isnan(closure_gaps_deg(sheet)).all()
+    sheet = pattern_of(np.vstack([[[0.0, 0.0]], rim]), faces, "V", angle=0.0)
+    assert vertices_closure_rad(sheet)[0] == pytest.approx(0.0, abs=1e-12)
+    angles = np.zeros(len(sheet.edges_vertices))
+    angles[np.flatnonzero(sheet.edges_assignment == "V")[0]] = 30.0
+    folded = replace(sheet, edges_foldAngle=angles)
+    assert vertices_closure_rad(folded)[0] == pytest.approx(np.radians(30))
 
 
 def test_flat_sheets_close_everywhere_inside():
     sheet = triangles(3)
     flat = replace(sheet, edges_foldAngle=np.zeros(len(sheet.edges_foldAngle)))
-    gaps = closure_gaps_deg(flat)
+    gaps = np.degrees(vertices_closure_rad(flat))
     assert (gaps[np.isfinite(gaps)] == 0).all()

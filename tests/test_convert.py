@@ -11,12 +11,12 @@ from flat_patterns import fan, pattern_of
 from helpers import REFERENCE, made_template, published
 
 from fab.cli import main
-from fab.closure import closure_gaps_deg
 from fab.convert import convert, read_any
 from fab.crease import fold_angles_deg
 from fab.errors import InvalidFile, InvalidJob
 from fab.fold_file import fold_bytes
 from fab.inspection import inspect_angles, measure_pattern
+from fab.kinematics import vertices_closure_rad
 from fab.make import write
 from fab.obj_file import obj_bytes, read_obj
 from fab.pattern_file import PatternFile, read_pattern
@@ -57,7 +57,7 @@ def test_published_pairs_become_fold_files(here, name):
         assert len(pattern.folded_coords) == len(points) - 2
     else:
         assert np.array_equal(pattern.folded_coords, points)
-    gaps = closure_gaps_deg(pattern)
+    gaps = np.degrees(vertices_closure_rad(pattern))
     assert np.nanmax(gaps, initial=0.0) < 1e-6
     checked = CliRunner().invoke(main, ["check", "sheet.fold"])
     assert checked.exit_code == 0, checked.output

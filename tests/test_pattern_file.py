@@ -11,9 +11,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fab.closure import closure_gaps_deg
 from fab.errors import InvalidFile, Severity
 from fab.fold_file import fold_bytes
+from fab.kinematics import vertices_closure_rad
 from fab.pattern_file import read_pattern
 from fab.planar import enclosed_faces, first_crossing, without_dangling
 from fab.polygons import ring_areas
@@ -110,7 +110,7 @@ def test_published_patterns_fold_flat_at_each_vertex(name):
 )
 def test_fold_angles_of_published_patterns_close(name, vertices):
     pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
-    gaps = closure_gaps_deg(pattern)
+    gaps = np.degrees(vertices_closure_rad(pattern))
     assert np.isfinite(gaps).sum() == vertices
     assert np.nanmax(gaps) < 1e-9
 

@@ -1,0 +1,46 @@
+"""Does a pattern fold to its target?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import StrEnum
+
+from fab.crease import CreasePattern
+from fab.dynamics import fold_dynamically
+from fab.errors import Finding
+from fab.folding import Folding, fold
+from fab.framework import framework
+from fab.stiffness import FoldSettings
+from fab.verdict import Verdict, findings_of, judge
+
+__all__ = ["Solver", "simulated"]
+
+
+class Solver(StrEnum):
+    """How the sheet is folded: from rest to rest, or by masses that move."""
+
+    QUASI_STATIC = "quasi-static"
+    DYNAMIC = "dynamic"
+
+
+def simulated(
+    pattern: CreasePattern,
+    settings: FoldSettings,
+    solver: Solver = Solver.QUASI_STATIC,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> tuple[Folding, Verdict, list[Finding]]:
+    """Fold a pattern and judge it. Raises `InvalidValue` where it has no area."""
+    tell = progress if progress is not None else lambda *_: None
+    frame = framework(pattern, settings)
+
+    def step(done: int, total: int) -> None:
+        tell("fold", done, total)
+
+    if solver is Solver.DYNAMIC:
+        folding = fold_dynamically(frame, settings.steps, progress=step)
+    else:
+        folding = fold(frame, settings.steps, step)
+    tell("judge", 0, 1)
+    verdict = judge(folding)
+    tell("judge", 1, 1)
+    return folding, verdict, findings_of(verdict)
