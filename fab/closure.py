@@ -45,8 +45,8 @@ def _spokes(pattern: CreasePattern) -> tuple[IntArray, FloatArray, FloatArray]:
 def _closed(pattern: CreasePattern) -> BoolArray:
     """Vertices around which faces lie once, with creases that are all known, shape (nv,)."""
     letters, (one, two) = pattern.edges_assignment, pattern.edges_faces.T
-    unknown = (letters == "U") & (pattern.edges_foldAngle == 0)
-    open_edges = (two < 0) | (letters == "C") | (unknown & (one != two))
+    unknown = (letters == "C") | ((letters == "U") & (pattern.edges_foldAngle == 0))
+    open_edges = (two < 0) | (unknown & (one != two))
     turn = np.zeros(len(pattern.vertices_coords))
     for _, faces in pattern.faces_by_size():
         corner = pattern.vertices_coords[faces]
