@@ -20,6 +20,7 @@ __all__ = [
     "fitted",
     "highest",
     "number_text",
+    "text_box",
     "text_outlines",
     "text_width",
 ]
@@ -32,8 +33,10 @@ _EM = 100.0
 _SHRINK = 0.8
 # Over the size of a room: nearer to the line that a text stands on is on it.
 _ON_SIDE_REL = 1e-9
-# Height of the box that a text keeps free, in heights of its letters.
+# Height of the box that a text keeps free, in heights of its capitals, and what J and Q, which hang
+# lower, keep free besides their own.
 _BOX_HEIGHT = 1.2
+_BELOW = 0.1
 # Digits that are digits when turned by half a turn.
 _TURNED = str.maketrans("01689", "01986")
 
@@ -117,9 +120,10 @@ def highest(
     left, in heights. A text of no height at the anchor, or beside it, must lie in the room.
     """
     c, s = np.cos(slant), np.sin(slant)
-    low, top = hang - _BOX_HEIGHT / 2, hang + _BOX_HEIGHT / 2
+    box_width, box_height = text_box(text)
+    low, top = hang - box_height / 2, hang + box_height / 2
     ring = (shapely.get_coordinates(room.exterior) - anchor) @ np.array([[c, -s], [s, c]])
-    ring[:, 0] /= 0.5 * _box_width(text)
+    ring[:, 0] /= 0.5 * box_width
     # a text of height h is the box |x| <= h, low h <= y <= top h: along a side of the room the
     # least h that reaches a point is at an end of the side or where two of these are equal
     normals = np.array([[1, 0], [0, 1], [low, 1], [low, -1], [top, 1], [top, -1]])
@@ -137,8 +141,11 @@ def highest(
     return float(reached[met].min(initial=np.inf))
 
 
-def _box_width(text: str) -> float:
-    return text_width(text) + 0.4
+def text_box(text: str) -> tuple[float, float]:
+    """Width and height of what a text keeps free, its capitals one high."""
+    rings = _glyphs(text)
+    height = float(np.ptp(np.concatenate(rings)[:, 1])) if rings else 0.0
+    return text_width(text) + 0.4, max(_BOX_HEIGHT, height + _BELOW)
 
 
 def fitted(
@@ -166,13 +173,13 @@ def fitted(
     height = np.minimum(height_mm, grown)
     if not len(height):
         return ()
-    width = np.array([_box_width(text) for text in texts])
+    half_x, half_y = np.array([text_box(text) for text in texts]).T / 2
     u = np.column_stack([np.cos(angles), np.sin(angles)])
     v = np.column_stack([-u[:, 1], u[:, 0]])
     written = height >= least_mm
     while True:
         middle = anchors + (hang * height)[:, None] * v
-        x, y = (0.5 * width * height)[:, None] * u, (_BOX_HEIGHT / 2 * height)[:, None] * v
+        x, y = (half_x * height)[:, None] * u, (half_y * height)[:, None] * v
         ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
         boxes = shapely.polygons(ring)
         one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")

@@ -1,5 +1,6 @@
 """Fold angles around vertices: against plain products of matrices, and where nothing must close."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +13,10 @@ from strategies import patches
 
 from fab.crease import crease_pattern
 from fab.development import develop
+from fab.fold_file import fold_bytes
 from fab.inspection import inspect_closure
 from fab.kinematics import vertices_closure_rad
+from fab.pattern_file import read_pattern
 
 
 @given(mesh=patches())
@@ -71,6 +74,21 @@ def test_cuts_and_free_creases_leave_a_vertex_open(letter):
     assert np.isnan(np.degrees(vertices_closure_rad(sheet))).all()
     assert np.isfinite(np.degrees(vertices_closure_rad(whole))[0])
     assert inspect_closure(sheet) == []
+
+
+@pytest.mark.parametrize("letter", ["M", "U", "C"])
+def test_lines_that_end_within_a_face_turn_nothing(tmp_path, letter):
+    document = json.loads(fold_bytes(grid(2, 2, 10.0), "grid"))
+    document["edges_foldAngle"] = [0.0] * len(document["edges_vertices"])
+    document["vertices_coords"].append([13.0, 14.0, 0.0])
+    document["edges_vertices"].append([4, 9])
+    document["edges_assignment"].append(letter)
+    document["edges_foldAngle"].append(-90.0 if letter == "M" else 0.0)
+    path = tmp_path / "grid.fold"
+    path.write_text(json.dumps(document))
+    gaps = np.degrees(vertices_closure_rad(read_pattern(path)[0]))
+    assert gaps[4] == 0
+    assert np.isfinite(gaps).sum() == 1
 
 
 def test_sheets_may_turn_twice_around_a_vertex():

@@ -9,12 +9,13 @@ from flat_patterns import pattern_of
 from hypothesis import given
 from strategies import patches
 
+from fab.convert import convert
 from fab.crease import crease_pattern
 from fab.development import develop
 from fab.errors import InvalidFile
 from fab.fold_file import fold_bytes
 from fab.inspection import inspect_angles
-from fab.pattern_file import read_pattern, read_pattern_file
+from fab.pattern_file import PatternFile, read_pattern, read_pattern_file
 from solver import Miura
 from solver.errors import InvalidValue
 
@@ -76,6 +77,8 @@ def test_angles_come_from_the_folded_form_where_none_are_stored(tmp_path, patter
     assert back.edges_foldAngle == pytest.approx(pattern.edges_foldAngle, abs=1e-9)
     assert (back.edges_assignment == pattern.edges_assignment).all()
     assert codes_of(path) == {"edges-missing", "assignment-missing", "fold-angle-measured"}
+    (finding,) = [f for f in read_pattern(path)[1] if f.code == "fold-angle-measured"]
+    assert f"and {(pattern.edges_assignment != 'B').sum() - 5} more" in finding.text
 
 
 def test_single_angles_come_from_the_folded_form_too(tmp_path, pattern):
@@ -109,12 +112,69 @@ def test_the_side_of_creases_folded_flat_is_that_of_their_letters(tmp_path, lett
     path = tmp_path / "flat.fold"
     path.write_text(json.dumps(document))
     back = read_fold(path)
+    assert codes_of(path) == {"fold-angle-measured"}
     assert back.edges_foldAngle.tolist() == sheet.edges_foldAngle.tolist()
     assert inspect_angles(back) == []
     (frame,) = document_of(back)["file_frames"]
     ((one, two, side),) = frame["faceOrders"]
     assert (one, two) == tuple(back.edges_faces[back.edges_assignment == letter][0])
     assert side == {"M": -1, "V": 1}[letter]
+
+
+STRIP = [[x, y] for y in (0.0, 10.0) for x in (0.0, 10.0, 20.0, 30.0)]
+
+
+def strip_folded_by(first, second, letters="VV", cuts=()):
+    """Three squares in a row, and the points where two creases take them."""
+    squares = [[i, i + 1, i + 5, i + 4] for i in range(3)]
+    plain = pattern_of(STRIP, squares)
+    inside = plain.edges_assignment == "M"
+    names, angles = np.full(len(inside), "B"), np.zeros(len(inside))
+    names[inside], angles[inside] = list(letters), np.abs([first, second])
+    sheet = pattern_of(STRIP, squares, names, cuts, angles)
+    steps = np.exp(1j * np.radians(np.cumsum([0.0, first, second])))
+    x = np.concatenate([[0], np.cumsum(10 * steps)])
+    return sheet, np.array([[p.real, y, p.imag] for y in (0.0, 10.0) for p in x])
+
+
+def test_only_faces_that_are_folded_onto_each_other_have_an_order():
+    for second, letters, rows in ((0.0, "VV", 1), (180.0, "VM", 2), (90.0, "VV", 0)):
+        sheet, points = strip_folded_by(180.0, second, letters)
+        (frame,) = document_of(replace(sheet, folded_coords=points))["file_frames"]
+        assert len(frame.get("faceOrders", [])) == rows
+        assert ("faceOrders" in frame) == bool(rows)
+
+
+def test_states_have_the_angles_of_their_creases_and_none_at_cuts():
+    sheet, points = strip_folded_by(-180.0, -180.0, "MM")
+    (frame,) = document_of(sheet, [("folded", points)])["file_frames"]
+    folds = np.array(frame["edges_foldAngle"])[sheet.edges_assignment == "M"]
+    assert folds.tolist() == [-180.0, -180.0]
+    sheet, points = strip_folded_by(90.0, 45.0, "VV", cuts=[(2, 6)])
+    (frame,) = document_of(sheet, [("folded", points)])["file_frames"]
+    angles = np.array(frame["edges_foldAngle"])
+    assert angles[sheet.edges_assignment == "V"] == pytest.approx([90])
+    assert angles[sheet.edges_assignment == "C"].tolist() == [0]
+
+
+def test_cuts_and_lines_within_a_face_are_not_compared_with_the_folded_form(tmp_path):
+    sheet, points = strip_folded_by(90.0, 45.0, "VV", cuts=[(2, 6)])
+    document = document_of(replace(sheet, folded_coords=points))
+    document["vertices_coords"].append([5.0, 5.0, 0.0])
+    document["file_frames"][0]["vertices_coords"].append([5.0, 5.0, 0.0])
+    document["edges_vertices"].append([0, 8])
+    document["edges_assignment"].append("M")
+    document["edges_foldAngle"].append(-180.0)
+    path = tmp_path / "cut.fold"
+    path.write_text(json.dumps(document))
+    pattern = read_fold(path)
+    assert pattern.counts()["C"] == pattern.counts()["M"] == 1
+    assert inspect_angles(pattern) == []
+    made = convert(PatternFile("", pattern, (), ()), tmp_path / "cut.obj")
+    (finding,) = made.findings
+    lost = pattern.edges_assignment[list(finding.creases)].tolist()
+    assert finding.code == "lost-in-obj"
+    assert sorted(lost) == ["C", "M"]
 
 
 def test_faces_in_space_have_no_order(pattern):

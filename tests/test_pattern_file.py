@@ -128,8 +128,9 @@ def test_the_files_are_those_of_their_script():
 def test_what_was_read_is_written_and_read_alike(tmp_path, name):
     pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
     (tmp_path / "again.fold").write_bytes(fold_bytes(pattern, name))
-    again, findings = read_pattern(tmp_path / "again.fold")
+    again, findings = read_pattern(tmp_path / "again.fold", strict=True)
     assert {f.code for f in findings} <= {"crease-dangling"}
+    assert fold_bytes(again, name) == (tmp_path / "again.fold").read_bytes()
     assert again.counts() == pattern.counts()
     for key in ("vertices_coords", "edges_vertices", "edges_faces", "edges_foldAngle"):
         assert np.array_equal(getattr(again, key), getattr(pattern, key)), key
@@ -284,6 +285,27 @@ def test_sides_without_length_that_cross_their_face_are_merged(tmp_path):
     assert finding.code == "zero-length-edge"
     assert finding.creases == (7,)
     assert pattern.counts() == {"M": 0, "V": 1, "F": 0, "B": 6}
+
+
+def test_edges_are_named_in_the_order_of_the_file(tmp_path):
+    """Faces name the crease 4 first, the crease 1 last."""
+    document = {
+        "frame_unit": "mm",
+        "vertices_coords": [[x, y] for y in (0, 1) for x in range(4)],
+        "edges_vertices": [
+            *([0, 1], [2, 6], [1, 2], [2, 3], [1, 5]),
+            *([0, 4], [4, 5], [5, 6], [6, 7], [7, 3]),
+        ],
+        "edges_assignment": [*"BMBBVBBBBB"],
+        "edges_foldAngle": [0, 20, 0, 0, -10, 0, 0, 0, 0, 0],
+        "faces_vertices": [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6]],
+    }
+    pattern, (finding,) = read(tmp_path, document)
+    assert finding.creases == (1, 4)
+    assert (
+        "edges 1, 4: the sign of the fold angle (20) contradicts the assignment M" in finding.text
+    )
+    assert sorted(pattern.edges_foldAngle[pattern.edges_foldAngle != 0]) == [-20, 10]
 
 
 def test_slits_belong_to_the_face_around_them(tmp_path):

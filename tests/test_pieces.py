@@ -16,7 +16,7 @@ from fab import partition
 from fab.crease import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.development import develop, overlapping_faces
 from fab.job import load_job
-from fab.labels import highest, number_text, text_outlines, text_width
+from fab.labels import highest, number_text, text_box, text_outlines, text_width
 from fab.partition import Sheet, extent
 from fab.pieces import Pieces, SheetSplit, split
 from fab.polygons import ring_areas
@@ -561,6 +561,12 @@ def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
         assert room.covers(box) == inside
 
 
+@pytest.mark.parametrize("text", ["A", "J", "Q", "17", "JQ"])
+def test_letters_lie_in_their_box(text):
+    every = np.concatenate(text_outlines(text, 1.0, (0.0, 0.0), 0.0))
+    assert (np.abs(every).max(axis=0) < np.array(text_box(text)) / 2).all()
+
+
 @given(st.integers(0, 10**6), st.floats(0, 7))
 def test_the_highest_text_on_a_line_touches_the_room_and_stays_inside(seed, slant):
     """Its middle is one height above the middle of a side of the room."""
@@ -606,7 +612,7 @@ def test_splitting_is_repeatable_and_leaves_the_pattern_untouched(curled):
 
 
 def test_seams_without_room_for_a_tab_are_named():
-    made, findings = split(grid(4, 1, 1.2), SheetSplit(margin_mm=0, tab_mm=1), (3.5, 3.5))
+    made, findings = split(grid(4, 1, 1.1), SheetSplit(margin_mm=0, tab_mm=1), (3.5, 3.5))
     (finding,) = [f for f in findings if f.code == "tab-no-room"]
     assert set(finding.creases) == {seam.edges[0] for seam in made.seams}
     (finding,) = [f for f in findings if f.code == "label-too-small"]
