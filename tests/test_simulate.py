@@ -1,0 +1,190 @@
+"""Simulations from files and jobs: what is written, what the report says, bad input."""
+
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from helpers import TEMPLATES, made_template
+from PIL import Image
+
+from fab.cli import main
+from fab.job import load_job
+from fab.make import Format, make
+from fab.pattern_file import read_pattern, read_pattern_file
+from fab.simulate import SimulationFormat, simulate
+from fab.simulation import Solver, simulated
+from fab.stiffness import FoldSettings
+
+PATTERNS = Path(__file__).parent / "patterns"
+REACHED = [
+    "bird_base",
+    "box",
+    "maze",
+    "miura",
+    "popup",
+    "square_twist",
+    "waterbomb",
+    "yoshimura",
+]
+# A crane is folded in an order; this Resch tessellation has creases without an angle.
+NOT_REACHED = ["crane", "resch"]
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def report(name):
+    pattern, findings = read_pattern(PATTERNS / f"{name}.fold")
+    return simulate(pattern, name, formats=[], findings=findings).report
+
+
+def test_every_pattern_of_others_has_its_verdict():
+    assert sorted(REACHED + NOT_REACHED) == sorted(p.stem for p in PATTERNS.glob("*.fold"))
+
+
+@pytest.mark.parametrize("name", REACHED)
+def test_patterns_of_others_fold_to_their_target(name):
+    verdict = report(name)["verdict"]
+    assert verdict["reached"]
+    assert verdict["rmsd_rel"] < 1e-12
+    assert verdict["wrong_creases_count"] == verdict["off_creases_count"] == 0
+    assert all(point["settled"] for point in verdict["path"])
+
+
+@pytest.mark.parametrize("name", NOT_REACHED)
+def test_patterns_that_do_not_get_there_are_told(name):
+    told = report(name)
+    verdict = told["verdict"]
+    assert not verdict["reached"]
+    assert 0 < len(verdict["off_creases"]) <= 20 <= verdict["off_creases_count"]
+    finding = next(f for f in told["findings"] if f["code"] == "target-not-reached")
+    cure = {"crane": "take more steps", "resch": "creases have no angle"}[name]
+    assert cure in finding["text"]
+
+
+def test_the_files_of_a_simulation_hold_its_states(tmp_path):
+    result = run("simulate", PATTERNS / "miura.fold", "--states", 4, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert "folds to its target" in result.output
+    names = ["miura_folding.fold", "miura_folding.gif", "miura_folding.json", "miura_folding.png"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == names
+    found = read_pattern_file(tmp_path / "miura_folding.fold")
+    assert len(found.states) == 4
+    told = json.loads((tmp_path / "miura_folding.json").read_text())
+    loads = [point["load"] for point in told["verdict"]["path"]]
+    assert loads == pytest.approx([0, 0.25, 0.5, 0.75, 1.0])
+    last = found.states[-1][1]
+    side = np.hypot(*np.ptp(found.pattern.vertices_coords, axis=0))
+    lengths = [
+        np.linalg.norm(np.diff(points[found.pattern.edges_vertices], axis=1)[:, 0], axis=1)
+        for points in (last, np.pad(found.pattern.vertices_coords, ((0, 0), (0, 1))))
+    ]
+    assert lengths[0] == pytest.approx(lengths[1], abs=1e-9 * side)
+    with Image.open(tmp_path / "miura_folding.gif") as animation:
+        assert animation.n_frames == 5 + 3
+    with Image.open(tmp_path / "miura_folding.png") as picture:
+        assert picture.size == (1800, 1100)
+        assert len(picture.convert("RGB").getcolors(10**7)) > 100
+
+
+def test_a_sheet_with_cuts_is_written_open(tmp_path):
+    result = run("simulate", PATTERNS / "popup.fold", "--only", "fold", "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    pattern, _ = read_pattern(tmp_path / "popup_folding.fold")
+    whole, _ = read_pattern(PATTERNS / "popup.fold")
+    assert pattern.face_count == whole.face_count
+    assert len(pattern.vertices_coords) > 0
+    assert "C" not in pattern.edges_assignment
+
+
+def test_the_same_file_gives_the_same_bytes():
+    pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
+    one, two = (simulate(pattern, "twist") for _ in range(2))
+    assert dict(one.files) == dict(two.files)
+    assert set(one.files) == {f"twist_folding.{k}" for k in ("fold", "png", "gif", "json")}
+
+
+def test_a_job_is_simulated_from_its_file_and_on_request(tmp_path):
+    result = run("simulate", TEMPLATES / "miura.toml", "--only", "png", "--dry-run", "--states", 3)
+    assert result.exit_code == 0, result.output
+    assert "would write" in result.output
+    job = load_job(TEMPLATES / "miura.toml", ["simulation.steps=5"])
+    told = make(job, [Format.FOLD]).report
+    assert told["simulation"]["reached"]
+    assert len(told["simulation"]["path"]) == 6
+    assert made_template("miura").report["simulation"] is None
+
+
+def test_the_dynamic_solver_can_be_asked_for():
+    pattern, _ = read_pattern(PATTERNS / "miura.fold")
+    folding, verdict, _ = simulated(pattern, FoldSettings(steps=1), Solver.DYNAMIC)
+    assert folding.iterations > 1000
+    assert verdict.wrong_creases == ()
+    assert verdict.rmsd_rel < 1e-3
+
+
+def test_progress_is_told_and_ends():
+    pattern, _ = read_pattern(PATTERNS / "miura.fold")
+    told = []
+    simulate(pattern, "miura", FoldSettings(steps=3), progress=lambda *at: told.append(at))
+    assert [at for at in told if at[0] == "fold"] == [("fold", n, 3) for n in range(4)]
+    assert told[-1] == ("write", 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nowhere.fold"], "cannot be read"),
+        (["--states", "0"], "steps"),
+        (["--states", "100000"], "steps"),
+        (["--only", "mp4"], "--only 'mp4'"),
+        (["--solver", "magic"], "quasi-static"),
+    ],
+)
+def test_bad_arguments_are_refused(tmp_path, arguments, said):
+    file = [] if arguments[0].endswith(".fold") else [PATTERNS / "miura.fold"]
+    result = run("simulate", *file, *arguments, "--out", tmp_path)
+    assert result.exit_code == 2
+    assert said in result.output
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("solver", list(Solver))
+def test_an_interrupt_leaves_nothing(tmp_path, monkeypatch, solver):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("fab.verdict.crossing_faces", stop)
+    file = PATTERNS / "square_twist.fold"
+    result = run("simulate", file, "--states", 1, "--solver", solver, "--out", tmp_path)
+    assert result.exit_code == 130
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"edges_foldAngle": 190.0}, "must lie from -180 to 180"),
+        ({"vertices_coords": [float("nan"), 0.0]}, "finite"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path, change, said):
+    document = json.loads((PATTERNS / "miura.fold").read_text())
+    for key, value in change.items():
+        document[key][0] = value
+    (tmp_path / "bad.fold").write_text(json.dumps(document))
+    result = run("simulate", tmp_path / "bad.fold", "--out", tmp_path / "out")
+    assert result.exit_code == 2
+    assert said in result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_pictures_alone_need_no_other_files():
+    pattern, _ = read_pattern(PATTERNS / "box.fold")
+    made = simulate(pattern, "box", FoldSettings(steps=2), formats=[SimulationFormat.PNG])
+    assert set(made.files) == {"box_folding.png", "box_folding.json"}
+    assert Image.open(io.BytesIO(made.files["box_folding.png"])).format == "PNG"
