@@ -87,3 +87,15 @@ def turned_strip(quads: int, turns: float, rows: int = 1, seed: int | None = Non
         for c in range(quads)
     ]
     return pattern_of(coords, faces, "V")
+
+
+def stars(count: int, seed: int, size: float = 60.0) -> list[np.ndarray]:
+    """Outlines of concave pieces of four to eleven corners, seen whole from their middle."""
+    rng = np.random.default_rng(seed)
+    out = []
+    for _ in range(count):
+        corners = rng.integers(4, 12)
+        angle = (np.arange(corners) + rng.uniform(0, 0.8, corners)) * 2 * np.pi / corners
+        radius = size / 2 * rng.uniform(0.4, 1, corners)
+        out.append(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return out

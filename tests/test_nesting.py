@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import shapely
+from flat_patterns import stars
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -52,18 +53,6 @@ def check(outlines, placements, bed, gap, copies, margin):
     np.testing.assert_allclose(placements.used, used, rtol=1e-12)
     assert (np.diff(placements.used) <= 1e-12).all()
     return on_sheets
-
-
-def stars(count, seed, size=60.0):
-    """Concave pieces of four to eleven corners, seen whole from their middle."""
-    rng = np.random.default_rng(seed)
-    out = []
-    for _ in range(count):
-        corners = rng.integers(4, 12)
-        angle = (np.arange(corners) + rng.uniform(0, 0.8, corners)) * 2 * np.pi / corners
-        radius = size / 2 * rng.uniform(0.4, 1, corners)
-        out.append(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
-    return out
 
 
 @settings(max_examples=12)
