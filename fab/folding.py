@@ -35,6 +35,8 @@ _SETTLED = 1e-6
 _ROUNDING = 1e-12
 # Over the sum of all stiffness: what coordinates that are off by a few roundings store.
 _ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
+# Hinges turn by no more from load to load.
+_FARTHEST_RAD = np.radians(20.0)
 # A step that raises the energy is tried shorter before it is damped.
 _LENGTHS = (1.0, 0.5, 0.25, 0.125)
 
@@ -52,7 +54,7 @@ class FoldState:
     energy : of bars and hinges; strain_mean, strain_max : sizes over all bars.
     accepted : energy of the prediction, and after each step that was taken from there to rest.
     iterations : linear systems solved since the state before, or Euler steps.
-    settled : whether it came to rest.
+    settled : whether it came to rest, here and at the loads since the state before.
     """
 
     load: float
@@ -83,27 +85,35 @@ def _silent(done: int, total: int) -> None:
 
 
 def fold(frame: Framework, steps: int = 10, progress: Progress = _silent) -> Folding:
-    """Fold a framework from flat to its targets, the load in equal steps.
+    """Fold a framework from flat to its targets, with as many states, evenly over the load.
+
+    Where that would turn hinges by more than 20 degrees at once, there are loads in between: a
+    prediction that turns far would find the target without a way there.
 
     progress : called with (loads done, loads in all); an exception that it raises ends the fold.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
     turning = turner(frame)
+    most = float(np.abs(frame.hinges_target).max(initial=0.0))
+    between = max(1, int(np.ceil(most / (_FARTHEST_RAD * steps))))
+    loads = between * steps
     state = flat_state(frame)
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
-    for step in range(1, steps + 1):
-        progress(step - 1, steps)
-        load = step / steps
-        target = load * frame.hinges_target
-        coords = _predicted(frame, turning, state.coords, angles, target, steps)
-        last = step == steps
-        coords, accepted, iterations, settled = _rest(frame, coords, target, last)
+    solved, rested = 0, True
+    for number in range(1, loads + 1):
+        progress(number - 1, loads)
+        target = number / loads * frame.hinges_target
+        coords = _predicted(frame, turning, state.coords, angles, target, loads)
+        coords, accepted, iterations, settled = _rest(frame, coords, target, number == loads)
         coords = aligned(coords, state.coords)
-        state = state_of(frame, load, coords, target, iterations, settled, accepted)
-        states.append(state)
+        solved, rested = solved + iterations, rested and settled
+        state = state_of(frame, number / loads, coords, target, solved, rested, accepted)
+        if number % between == 0:
+            states.append(state)
+            solved, rested = 0, True
         angles = frame.angles_near(coords, target)
-    progress(steps, steps)
+    progress(loads, loads)
     return Folding(frame, tuple(states))
 
 
@@ -113,10 +123,10 @@ def _predicted(
     coords: FloatArray,
     angles: FloatArray,
     target: FloatArray,
-    steps: int,
+    loads: int,
 ) -> FloatArray:
     """The sheet with all hinges turned on, or as it was where that stores less energy."""
-    turned = turning.coords(angles + frame.hinges_target / steps)
+    turned = turning.coords(angles + frame.hinges_target / loads)
     if frame.energy(turned, target).total < frame.energy(coords, target).total:
         return turned
     return coords

@@ -106,6 +106,23 @@ def test_turning_all_hinges_to_their_targets_is_the_folded_form(tmp_path):
     assert away - away[0] == pytest.approx(0.0, abs=1e-12)
 
 
+def test_few_states_do_not_jump_to_the_target():
+    """All hinges turned at once would be the target of every pattern whose angles close."""
+    crane, _ = read_pattern(PATTERNS / "crane.fold")
+    frame = framework(crane)
+    jump = turner(frame).coords(frame.hinges_target)
+    assert frame.energy(jump, frame.hinges_target).total < 1e-20
+    calls = []
+    folding = fold(frame, 1, lambda *at: calls.append(at))
+    assert calls[-1] == (9, 9)  # 180 degrees by 20
+    assert [state.load for state in folding.states] == [0.0, 1.0]
+    assert not judge(folding).reached
+    bird, _ = read_pattern(PATTERNS / "bird_base.fold")
+    one, many = fold(framework(bird), 1), fold(framework(bird), 9)
+    assert one.states[-1].coords == pytest.approx(many.states[-1].coords, abs=1e-9)
+    assert one.iterations == many.iterations
+
+
 def test_no_accepted_step_raises_the_energy(tmp_path):
     for name in ("twisted_squares", "hypar_20", "brownian_ribbon_400"):
         folding = fold(framework(template(name, tmp_path)))
