@@ -163,11 +163,11 @@ def test_a_miura_follows_its_exact_path_to_first_order_in_the_compliance(tmp_pat
     """The path of rigid faces at 20 stations; stiff bars and faces, soft creases."""
     errors = [
         miura_error_deg(Stiffness(axial=s, crease=1.0, facet=s), 20, tmp_path)
-        for s in (1e4, 1e5, 1e6, 1e7)
+        for s in (1e6, 1e7, 1e8, 1e9)
     ]
-    assert errors[-1] < 1e-3
+    assert max(errors[1:]) < 1e-3
     orders = -np.diff(np.log10(errors))
-    assert orders == pytest.approx(1.0, abs=0.1)
+    assert orders == pytest.approx(1.0, abs=0.05)
 
 
 def test_wrong_patterns_are_not_reached_and_named(tmp_path):
