@@ -130,8 +130,8 @@ def test_the_dynamic_solver_can_be_asked_for():
 def test_progress_is_told_and_ends():
     pattern, _ = read_pattern(PATTERNS / "miura.fold")
     told = []
-    simulate(pattern, "miura", FoldSettings(steps=5), progress=lambda *at: told.append(at))
-    assert [at for at in told if at[0] == "fold"] == [("fold", n, 5) for n in range(6)]
+    simulate(pattern, "miura", FoldSettings(steps=10), progress=lambda *at: told.append(at))
+    assert [at for at in told if at[0] == "fold"] == [("fold", n, 10) for n in range(11)]
     assert told[-1] == ("write", 1, 1)
 
 
