@@ -47,6 +47,8 @@ __all__ = [
 
 _NAMES = {"M": "mountain", "V": "valley", "F": "flat", "U": "unassigned"}
 _BORDERS = ("B", "C")
+# Where more creases than this share cannot be folded, a sheet is a waste of material.
+_MOST_UNCUT = 0.5
 _JOINED = "J"  # faces that are one: nothing is drawn between them
 
 
@@ -375,7 +377,7 @@ def _too_short(creases: CutCreases, margin_mm: float) -> list[Finding]:
         Finding(
             "crease-too-short",
             Severity.ERROR
-            if any(len(uncut) and uncut.all() for _, uncut in alike)
+            if any(len(uncut) and uncut.mean() > _MOST_UNCUT for _, uncut in alike)
             else Severity.WARNING,
             f"{' and '.join(counts)} creases leave nothing between their margins "
             f"({2 * margin_mm:g} mm, and what relief holes and lattices take) and stay uncut. The "
@@ -396,7 +398,9 @@ def _rigid(creases: CutCreases) -> list[Finding]:
     return [
         Finding(
             "lattice-rigid",
-            Severity.WARNING if bending else Severity.ERROR,
+            Severity.ERROR
+            if rigid.sum() > _MOST_UNCUT * creases.lattice.sum()
+            else Severity.WARNING,
             f"{rigid.sum()} lattices have room for one slit alone and do not bend; {bending} do. "
             f"The shortest of these creases is {length.min():.3g} mm long. Lower cut_mm, or make "
             f"the sheet at least {enlargement(creases.needed_mm[rigid], length)} times as large.",
