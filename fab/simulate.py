@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
@@ -15,6 +16,7 @@ from fab.inspection import inspect_angles
 from fab.make import Made, Progress
 from fab.simulation import Solver, simulated
 from fab.stiffness import FoldSettings
+from fab.verdict import target_form
 
 __all__ = ["SimulationFormat", "simulate"]
 
@@ -42,8 +44,8 @@ def simulate(
     pattern : in millimetres; findings : of its reader, told again in the report.
     progress : called with (stage, steps done, steps in the stage).
 
-    The FOLD file has the sheet with its cuts open, its folded form, and a frame for each state. The
-    report holds the verdict.
+    The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or that of
+    its angles, where they close), and a frame for each state. The report holds the verdict.
     """
     settings = settings or FoldSettings()
     tell = progress if progress is not None else lambda *_: None
@@ -57,7 +59,9 @@ def simulate(
             (f"{state.load:.2%} of the fold angles", state.coords * folding.frame.size_mm)
             for state in folding.states[1:]
         ]
-        files[f"{stem}.fold"] = fold_bytes(sheet, name, states)
+        form = target_form(folding.frame)
+        folded = None if form is None else form * folding.frame.size_mm
+        files[f"{stem}.fold"] = fold_bytes(replace(sheet, folded_coords=folded), name, states)
     if SimulationFormat.PNG in formats:
         from fab.animation import strain_png_bytes
 

@@ -20,7 +20,7 @@ from fab.framework import Framework
 from fab.kinematics import Kinematics, fold_by_angles
 from solver.vectors import FloatArray, IntArray, norm
 
-__all__ = ["PathPoint", "Verdict", "findings_of", "judge"]
+__all__ = ["PathPoint", "Verdict", "findings_of", "judge", "target_form"]
 
 # Off by more, a crease, or the shape over the diagonal, or a bar over its length, is not there:
 # files whose angles have four digits behind the point are, those with a wrong crease are not.
@@ -114,7 +114,7 @@ def judge(folding: Folding) -> Verdict:
     worst = float(np.abs(error).max(initial=0.0))
     facets = (frame.hinges_edge < 0) & (frame.hinges_stiffness > 0)
     bending = np.abs(frame.angles_near(last.coords, frame.hinges_target)[facets])
-    rmsd = _distance(frame, last.coords, _target_form(frame, kinematics))
+    rmsd = _distance(frame, last.coords, _form(frame, kinematics))
     closure = kinematics.vertices_closure_rad
     bad = np.flatnonzero(closure > _CLOSURE_RAD)
     bad = bad[np.argsort(-closure[bad], kind="stable")]
@@ -148,6 +148,14 @@ def judge(folding: Folding) -> Verdict:
             for state in folding.states
         ),
     )
+
+
+def target_form(frame: Framework) -> FloatArray | None:
+    """The folded form that a fold is judged by, over the framework's size, shape (nv, 3).
+
+    That of the pattern, or that of its angles; None where these do not close.
+    """
+    return _form(frame, fold_by_angles(frame.sheet.pattern))
 
 
 def findings_of(verdict: Verdict) -> list[Finding]:
@@ -211,8 +219,7 @@ def _crease_errors(frame: Framework, coords: FloatArray) -> tuple[IntArray, Floa
     return frame.hinges_edge[driven], np.degrees(off[driven])
 
 
-def _target_form(frame: Framework, kinematics: Kinematics) -> FloatArray | None:
-    """The folded form over the framework's size."""
+def _form(frame: Framework, kinematics: Kinematics) -> FloatArray | None:
     folded = frame.sheet.pattern.folded_coords
     if folded is not None:
         return folded / frame.size_mm
