@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
@@ -42,8 +43,9 @@ def simulate(
     pattern : in millimetres; findings : of its reader, told again in the report.
     progress : called with (stage, steps done, steps in the stage).
 
-    The FOLD file has the sheet with its cuts open, its folded form, and a frame for each state. The
-    report holds the verdict.
+    The FOLD file has the sheet with its cuts open, its folded form, and a frame for each state.
+    Patterns without a folded form get the one that they fold to, if it is their target. The report
+    holds the verdict.
     """
     settings = settings or FoldSettings()
     tell = progress if progress is not None else lambda *_: None
@@ -51,6 +53,9 @@ def simulate(
     files: dict[str, bytes] = {}
     stem = f"{name}_folding"
     sheet = folding.frame.sheet.pattern
+    if sheet.folded_coords is None and verdict.reached:
+        form = folding.states[-1].coords * folding.frame.size_mm
+        sheet = replace(sheet, folded_coords=form)
     if SimulationFormat.FOLD in formats:
         tell("write", 0, 1)
         states = [
