@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
+from scipy.spatial import cKDTree
 
 from fab.hinges import Webs
 from fab.panels import Panels, Prisms
 from fab.polygons import next_corner
+from solver.errors import InvalidValue
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["TriangleMesh", "cap_triangles", "joined_mesh", "prism_meshes"]
@@ -48,10 +51,14 @@ def prism_meshes(prisms: Prisms) -> list[TriangleMesh]:
 def cap_triangles(rings: FloatArray) -> IntArray:
     """Triangles of simple counterclockwise polygons, shape (k, n, 2) -> (k, n - 2, 3).
 
-    A fan from the corner that gives its thinnest triangle most area: right for every convex
-    polygon and every quad. Other polygons are cut into ears by manifold3d.
+    Up to four corners a fan from the corner that gives its thinnest triangle most area. Polygons
+    with more get their Delaunay triangles, so that corners on a straight side make no slivers.
+
+    Raises `InvalidValue` for polygons that cross or touch themselves.
     """
-    count, n = rings.shape[:2]
+    n = rings.shape[1]
+    if n > 4:
+        return np.stack([_delaunay(ring) for ring in rings])
     corners = np.arange(n)
     fans = np.stack(
         [
@@ -63,13 +70,18 @@ def cap_triangles(rings: FloatArray) -> IntArray:
     points = rings[:, fans]
     one, two = points[..., 1, :] - points[..., 0, :], points[..., 2, :] - points[..., 0, :]
     thinnest = (one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]).min(axis=2)
-    best = thinnest.argmax(axis=1)
-    out: IntArray = fans[best]
-    for row in np.flatnonzero(thinnest[np.arange(count), best] <= 0).tolist():
-        from manifold3d import triangulate
+    return np.asarray(fans[thinnest.argmax(axis=1)], np.int64)
 
-        out[row] = triangulate([rings[row]])
-    return out
+
+def _delaunay(ring: FloatArray) -> IntArray:
+    """Constrained Delaunay triangles of one polygon, counterclockwise, shape (n - 2, 3)."""
+    outline = shapely.Polygon(ring)
+    if not outline.is_valid:
+        why = shapely.is_valid_reason(outline)
+        raise InvalidValue("polygon", why, "neither cross nor touch itself", "Split the face.")
+    found = shapely.orient_polygons(shapely.constrained_delaunay_triangles(outline))
+    corners = shapely.get_coordinates(found).reshape(-1, 4, 2)[:, :3]
+    return np.asarray(cKDTree(ring).query(corners)[1], np.int64)
 
 
 def joined_mesh(panels: Panels, webs: Webs) -> TriangleMesh:

@@ -8,12 +8,11 @@ the stiffest bar allows. To compare with; `fab.folding` is the faster way to the
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fab.folding import Folding, flat_state, state_of
+from fab.folding import Folding, Progress, flat_state, silent, state_of
 from fab.framework import Framework, hinge_forces
 from solver.errors import InvalidValue, require_count, require_finite
 from solver.vectors import FloatArray, cross, dot, norm, scattered
@@ -21,8 +20,6 @@ from solver.vectors import FloatArray, cross, dot, norm, scattered
 __all__ = ["DynamicSettings", "Motion", "fold_dynamically", "moved"]
 
 _CHECKED = 100
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -64,15 +61,11 @@ class Motion:
     finite: bool
 
 
-def _silent(done: int, total: int) -> None:
-    del done, total
-
-
 def fold_dynamically(
     frame: Framework,
     steps: int = 10,
     settings: DynamicSettings | None = None,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> Folding:
     """Fold as a user does who moves the slider in equal steps and waits until the sheet rests.
 
@@ -102,7 +95,7 @@ def moved(
     target: FloatArray,
     settings: DynamicSettings | None = None,
     begin: Motion | None = None,
-    progress: Progress = _silent,
+    progress: Progress = silent,
 ) -> Motion:
     """Let the framework move with its hinges driven to `target`, shape (nh,), radians.
 

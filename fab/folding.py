@@ -20,7 +20,16 @@ from fab.rotations import Turner, turner
 from solver.errors import require_count
 from solver.vectors import FloatArray
 
-__all__ = ["FoldState", "Folding", "aligned", "flat_state", "fold", "state_of"]
+__all__ = [
+    "FoldState",
+    "Folding",
+    "Progress",
+    "aligned",
+    "flat_state",
+    "fold",
+    "silent",
+    "state_of",
+]
 
 # Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
@@ -80,11 +89,12 @@ class Folding:
         return sum(state.iterations for state in self.states)
 
 
-def _silent(done: int, total: int) -> None:
+def silent(done: int, total: int) -> None:
+    """Progress that nobody watches."""
     del done, total
 
 
-def fold(frame: Framework, steps: int = 10, progress: Progress = _silent) -> Folding:
+def fold(frame: Framework, steps: int = 10, progress: Progress = silent) -> Folding:
     """Fold a framework from flat to its targets, with as many states, evenly over the load.
 
     Where that would turn hinges by more than 20 degrees at once, there are loads in between: a

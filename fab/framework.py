@@ -39,6 +39,9 @@ __all__ = [
     "wrapped",
 ]
 
+# Squares of larger and smaller sheets are no numbers.
+_SMALLEST_MM, _LARGEST_MM = 1e-100, 1e100
+
 
 @dataclass(frozen=True)
 class Energy:
@@ -173,7 +176,9 @@ class _Assembly:
     @staticmethod
     def of(count: int, members: list[IntArray]) -> _Assembly:
         size = 3 * count
-        numbers = [(3 * m[:, :, None] + np.arange(3)).reshape(len(m), -1) for m in members]
+        numbers = [
+            (3 * m[:, :, None] + np.arange(3)).reshape(len(m), 3 * m.shape[1]) for m in members
+        ]
         keys = np.concatenate([(n[:, None, :] * size + n[:, :, None]).ravel() for n in numbers])
         unique, slots = np.unique(keys, return_inverse=True)
         bounds = np.searchsorted(unique // size, np.arange(size + 1))
@@ -188,14 +193,16 @@ class _Assembly:
 def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Framework:
     """Bars and hinges of any pattern: triangles, n-gons, several pieces, cuts (which are opened).
 
-    Raises `InvalidValue` for a sheet without extent, and for a triangle without area.
+    Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a triangle
+    without area.
     """
     stiffness = stiffness or Stiffness()
     sheet = opened(pattern)
     flat = sheet.pattern.vertices_coords
     size = float(np.hypot(*np.ptp(flat, axis=0)))
-    if not size > 0:
-        raise InvalidValue("pattern", "without extent", "have faces with area", "Give a sheet.")
+    if not _SMALLEST_MM <= size <= _LARGEST_MM:
+        bound = f"be from {_SMALLEST_MM:g} to {_LARGEST_MM:g} mm across"
+        raise InvalidValue("sheet", f"{size:g} mm", bound, "Give it in another unit.")
     coords = np.column_stack([flat, np.zeros(len(flat))]) / size
     corners, offsets = sheet.pattern.faces_vertices, sheet.pattern.faces_offsets
     triangles, face = _triangles(coords, corners, offsets)
@@ -357,6 +364,6 @@ def _triangles(
             f"face {face[flat[0]]}",
             "without area in one of its triangles",
             "have area",
-            "Remove corners that lie on a line, or the face.",
+            "Merge corners that lie on each other, or remove the face.",
         )
     return vertices, face

@@ -44,8 +44,9 @@ def simulate(
     pattern : in millimetres; findings : of its reader, told again in the report.
     progress : called with (stage, steps done, steps in the stage).
 
-    The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or that of
-    its angles, where they close), and a frame for each state. The report holds the verdict.
+    The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or of its
+    angles where they close, or what it folds to), and a frame for each state. The report holds the
+    verdict.
     """
     settings = settings or FoldSettings()
     tell = progress if progress is not None else lambda *_: None
@@ -60,6 +61,8 @@ def simulate(
             for state in folding.states[1:]
         ]
         form = target_form(folding.frame)
+        if form is None and verdict.reached:
+            form = folding.states[-1].coords
         folded = None if form is None else form * folding.frame.size_mm
         files[f"{stem}.fold"] = fold_bytes(replace(sheet, folded_coords=folded), name, states)
     if SimulationFormat.PNG in formats:

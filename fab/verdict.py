@@ -17,7 +17,7 @@ from fab.crossing import crossing_faces
 from fab.errors import Finding, Severity
 from fab.folding import Folding, aligned
 from fab.framework import Framework
-from fab.kinematics import Kinematics, fold_by_angles
+from fab.kinematics import Kinematics, fold_by_angles, unknown_angles
 from solver.vectors import FloatArray, IntArray, norm
 
 __all__ = ["PathPoint", "Verdict", "findings_of", "judge", "target_form"]
@@ -65,7 +65,10 @@ class Verdict:
         by over 0.1 degrees, worst first; angle_error_max_deg : the largest.
     closure_max_rad : by how much the turns around a vertex or hole miss the identity at most;
         open_vertices : where they do not close, worst first.
-    unassigned : number of creases that nothing drives.
+    gap_rel : how far the places that faces give to a vertex lie from it at most, by the angles
+        alone, over the diagonal of the sheet. Large at free creases, and where angles do not close.
+    driven : number of creases that fold; free : number of creases that nothing drives, those of
+        unknown angle and slits of one edge.
     peak_strain, peak_strain_load : the largest strain on the way, and where.
     path : all states, the flat one first.
     """
@@ -80,7 +83,9 @@ class Verdict:
     angle_error_max_deg: float
     closure_max_rad: float
     open_vertices: tuple[int, ...]
-    unassigned: int
+    gap_rel: float
+    driven: int
+    free: int
     peak_strain: float
     peak_strain_load: float
     iterations: int
@@ -131,7 +136,9 @@ def judge(folding: Folding) -> Verdict:
         worst,
         max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[bad]),
-        int(((frame.hinges_edge >= 0) & (frame.hinges_stiffness == 0)).sum()),
+        kinematics.gap_mm / frame.size_mm,
+        int(folds.sum()),
+        int(unknown_angles(sheet.pattern)[frame.hinges_edge[frame.hinges_edge >= 0]].sum()),
         peak.strain_max,
         peak.load,
         folding.iterations,
@@ -177,15 +184,28 @@ def findings_of(verdict: Verdict) -> list[Finding]:
             )
         elif verdict.open_vertices:
             text += "Its angles do not close: see open_vertices."
-        elif verdict.unassigned:
+        elif verdict.free:
             text += (
-                f"{verdict.unassigned} creases have no angle (U): give them M or V and an angle."
+                f"{verdict.free} creases turn freely, U without an angle or slits: give those that "
+                "fold M or V and an angle."
             )
+        elif verdict.gap_rel > _SHAPE_REL:
+            text += (
+                f"Its faces miss each other by {verdict.gap_rel:.2%} of the diagonal around a hole."
+            )
+        elif not verdict.off_creases and verdict.strain_max <= _STRAIN:
+            text += "Its angles are right: the folded form of the file is another than theirs."
         else:
             text += "Its angles close, so that another way there may exist: take more steps."
         out.append(
             Finding("target-not-reached", Severity.ERROR, text, verdict.off_creases[:_NAMED])
         )
+    if not verdict.driven:
+        text = "no crease has an angle other than 0: the sheet stays flat."
+        out.append(Finding("nothing-to-fold", Severity.WARNING, text))
+    elif verdict.reached and verdict.free:
+        text = f"{verdict.free} creases turn freely: U without an angle, or slits."
+        out.append(Finding("creases-free", Severity.NOTE, text))
     if verdict.open_vertices:
         vertices = ", ".join(map(str, verdict.open_vertices[:5]))
         text = (
@@ -234,7 +254,7 @@ def _distance(frame: Framework, coords: FloatArray, form: FloatArray | None) -> 
     if form is None:
         return None
     found = 0.0
-    diagonal = float(norm(np.ptp(form, axis=0)))
+    diagonal = float(norm(np.ptp(form, axis=0))) or 1.0  # that of the sheet, for a mere point
     for piece in range(int(frame.component.max()) + 1):
         own = frame.component == piece
         off = aligned(coords[own], form[own]) - form[own]

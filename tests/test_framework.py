@@ -175,6 +175,49 @@ def test_bad_stiffness_is_refused(key, value):
         Stiffness(**{key: value})
 
 
+OUTLINES = [
+    [[0, 0], [2, 0], [0, 2]],
+    [[0, 0], [2, 0], [2, 2], [0, 2]],
+    [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]],
+    [[0, 0], [3, 0], [3, 1], [2, 1], [2, 3], [1, 3], [1, 1], [0, 1]],
+]
+
+
+@given(
+    outline=st.sampled_from(OUTLINES),
+    between=st.lists(st.integers(0, 3), min_size=8, max_size=8),
+    turn=st.floats(0, 7),
+)
+@settings(max_examples=100, deadline=None)
+def test_corners_on_straight_sides_make_no_slivers(outline, between, turn):
+    """Turned, so that rounding puts some of them on the wrong side of the line."""
+    ring = []
+    for here, after, count in zip(outline, outline[1:] + outline[:1], between, strict=False):
+        share = np.arange(count + 1)[:, None] / (count + 1)
+        ring.extend(np.array(here) + share * np.subtract(after, here))
+    sine, cosine = np.sin(turn), np.cos(turn)
+    coords = np.array(ring) @ [[cosine, sine], [-sine, cosine]]
+    frame = framework(pattern_of(coords, [list(range(len(ring)))]))
+    corners = frame.size_mm * frame.vertices_coords[frame.triangles_vertices]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.cross(one, two)[:, 2] / 2
+    x, y = np.array(outline).T
+    assert len(areas) == len(ring) - 2
+    assert areas.min() > 0.01
+    assert areas.sum() == pytest.approx((x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2)
+
+
+def test_faces_that_cross_themselves_are_refused():
+    with pytest.raises(InvalidValue, match="neither cross nor touch"):
+        framework(pattern_of([[0, 0], [2, 2], [2, 0], [0, 2], [-1, 1]], [[0, 1, 2, 3, 4]]))
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-101, 1e101, 1e300])
+def test_sheets_whose_squares_are_no_numbers_are_refused(size):
+    with pytest.raises(InvalidValue, match="from 1e-100 to 1e\\+100 mm"):
+        framework(grid(2, 1, size))
+
+
 def test_triangles_without_area_are_named():
     pattern = pattern_of(
         [[0, 0], [4, 0], [8, 0], [4, 4], [4, -3]], [[0, 2, 3], [0, 4, 1], [1, 4, 2]]

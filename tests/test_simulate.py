@@ -2,21 +2,27 @@
 
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from flat_patterns import grid, pattern_of
 from helpers import TEMPLATES, made_template
 from PIL import Image
 
+from fab.animation import gif_bytes
 from fab.cli import main
+from fab.folding import fold
+from fab.framework import framework
 from fab.job import load_job
 from fab.make import Format, make
 from fab.pattern_file import read_pattern, read_pattern_file
 from fab.simulate import SimulationFormat, simulate
 from fab.simulation import Solver, simulated
 from fab.stiffness import FoldSettings
+from fab.verdict import judge
 
 PATTERNS = Path(__file__).parent / "patterns"
 REACHED = [
@@ -62,7 +68,7 @@ def test_patterns_that_do_not_get_there_are_told(name):
     assert not verdict["reached"]
     assert 0 < len(verdict["off_creases"]) <= 20 <= verdict["off_creases_count"]
     finding = next(f for f in told["findings"] if f["code"] == "target-not-reached")
-    cure = {"crane": "take more steps", "resch": "creases have no angle"}[name]
+    cure = {"crane": "take more steps", "resch": "creases turn freely"}[name]
     assert cure in finding["text"]
 
 
@@ -181,6 +187,102 @@ def test_bad_files_are_refused(tmp_path, change, said):
     assert result.exit_code == 2
     assert said in result.output
     assert not (tmp_path / "out").exists()
+
+
+SQUARES = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
+TWO = [[0, 1, 4, 3], [1, 2, 5, 4]]
+
+
+def codes(told):
+    return {finding["code"] for finding in told["findings"]}
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [
+        pattern_of([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]),
+        pattern_of(SQUARES, TWO, "U"),
+        pattern_of(SQUARES, TWO, "V", angle=0.0),
+        pattern_of(SQUARES, TWO, cuts=[(1, 4)]),
+    ],
+)
+def test_sheets_with_nothing_to_fold_are_told(pattern):
+    made = simulate(pattern, "sheet", FoldSettings(steps=1), formats=[SimulationFormat.FOLD])
+    assert made.report["verdict"]["reached"]
+    assert made.report["verdict"]["driven"] == 0
+    assert codes(made.report) == {"nothing-to-fold"}
+
+
+def test_creases_that_turn_freely_are_told():
+    coords = [[x, y] for y in range(2) for x in range(4)]
+    faces = [[x, x + 1, x + 5, x + 4] for x in range(3)]
+    letters = np.full(len(pattern_of(coords, faces).edges_vertices), "V")
+    edges = pattern_of(coords, faces).edges_vertices.tolist()
+    letters[edges.index([1, 5])] = "U"
+    told = simulate(pattern_of(coords, faces, letters), "sheet", formats=[]).report
+    assert told["verdict"]["reached"]
+    assert (told["verdict"]["driven"], told["verdict"]["free"]) == (1, 1)
+    assert codes(told) == {"creases-free"}
+
+
+def test_a_folded_form_against_the_angles_is_told():
+    flat = pattern_of(SQUARES, TWO, "V")
+    other = replace(flat, folded_coords=np.pad(flat.vertices_coords, ((0, 0), (0, 1))))
+    told = simulate(other, "sheet", formats=[]).report
+    assert not told["verdict"]["reached"]
+    text = next(f["text"] for f in told["findings"] if f["code"] == "target-not-reached")
+    assert "the folded form of the file is another" in text
+    point = replace(flat, folded_coords=np.zeros((6, 3)))
+    assert judge(fold(framework(point), 1)).rmsd_rel > 0.1
+
+
+def test_faces_that_miss_each_other_around_a_hole_are_told():
+    """Both rows around the hole roll up, one to each side: parallel at the end, but apart."""
+    sheet = grid(3, 3, 10.0, without=[(1, 1)])
+    middle = sheet.vertices_coords[sheet.edges_vertices].mean(axis=1)
+    angle = np.zeros(len(middle))
+    angle[(middle[:, 1] == 5) & (sheet.edges_faces[:, 1] >= 0)] = 90.0
+    angle[(middle[:, 1] == 25) & (sheet.edges_faces[:, 1] >= 0)] = -90.0
+    letters = np.where(angle > 0, "V", np.where(angle < 0, "M", "F"))
+    letters[sheet.edges_faces[:, 1] < 0] = "B"
+    told = simulate(
+        replace(sheet, edges_foldAngle=angle, edges_assignment=letters), "sheet", formats=[]
+    ).report
+    assert told["verdict"]["closure_max_rad"] < 1e-9
+    assert told["verdict"]["gap_rel"] > 0.1
+    text = next(f["text"] for f in told["findings"] if f["code"] == "target-not-reached")
+    assert "of the diagonal around a hole" in text
+
+
+def test_the_form_that_a_sheet_folds_to_is_written(tmp_path):
+    pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
+    assert pattern.folded_coords is None
+    made = simulate(pattern, "twist", formats=[SimulationFormat.FOLD])
+    (tmp_path / "twist.fold").write_bytes(made.files["twist_folding.fold"])
+    found = read_pattern_file(tmp_path / "twist.fold")
+    assert (found.pattern.folded_coords == found.states[-1][1]).all()
+    pattern, _ = read_pattern(PATTERNS / "resch.fold")
+    made = simulate(pattern, "resch", formats=[SimulationFormat.FOLD])
+    (tmp_path / "resch.fold").write_bytes(made.files["resch_folding.fold"])
+    assert len(json.loads(made.files["resch_folding.fold"])["file_frames"]) == 10
+
+
+def test_pictures_show_the_whole_sheet_with_a_margin():
+    """Squares reach farthest out of the box of their coordinates, seen from above a corner."""
+    files = simulate(grid(2, 2, 50.0), "grid", FoldSettings(steps=1)).files
+    with Image.open(io.BytesIO(files["grid_folding.gif"])) as animation:
+        shown = np.asarray(animation.convert("L"))
+    drawn = shown[100:, :] < 250
+    across, down = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
+    assert 45 < across[0] < across[-1] < 755  # beyond, the axes clip
+    assert np.ptp(across) > 600
+    assert down[-1] < 680
+
+
+def test_animations_of_many_states_stay_short():
+    folding = fold(framework(pattern_of(SQUARES, TWO, "V")), 100)
+    with Image.open(io.BytesIO(gif_bytes(folding, "two"))) as animation:
+        assert animation.n_frames == 60 + 58
 
 
 def test_pictures_alone_need_no_other_files():
