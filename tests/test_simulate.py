@@ -14,7 +14,7 @@ from PIL import Image
 
 from fab.animation import gif_bytes
 from fab.cli import main
-from fab.folding import fold
+from fab.folding import aligned, fold
 from fab.framework import framework
 from fab.job import load_job
 from fab.make import Format, make
@@ -254,17 +254,26 @@ def test_faces_that_miss_each_other_around_a_hole_are_told():
     assert "of the diagonal around a hole" in text
 
 
-def test_the_form_that_a_sheet_folds_to_is_written(tmp_path):
-    pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
-    assert pattern.folded_coords is None
-    made = simulate(pattern, "twist", formats=[SimulationFormat.FOLD])
-    (tmp_path / "twist.fold").write_bytes(made.files["twist_folding.fold"])
-    found = read_pattern_file(tmp_path / "twist.fold")
-    assert (found.pattern.folded_coords == found.states[-1][1]).all()
-    pattern, _ = read_pattern(PATTERNS / "resch.fold")
-    made = simulate(pattern, "resch", formats=[SimulationFormat.FOLD])
-    (tmp_path / "resch.fold").write_bytes(made.files["resch_folding.fold"])
-    assert len(json.loads(made.files["resch_folding.fold"])["file_frames"]) == 10
+def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
+    """That of the angles, whether the sheet gets there or not; none where they do not close."""
+    for name, frames in (("square_twist", 11), ("crane", 11), ("popup", 11)):
+        pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
+        assert pattern.folded_coords is None
+        made = simulate(pattern, name, formats=[SimulationFormat.FOLD])
+        data = made.files[f"{name}_folding.fold"]
+        assert len(json.loads(data)["file_frames"]) == frames
+        (tmp_path / "x.fold").write_bytes(data)
+        found = read_pattern_file(tmp_path / "x.fold")
+        form, last = found.pattern.folded_coords, found.states[-1][1]
+        size = np.linalg.norm(np.ptp(form, axis=0))
+        off = np.linalg.norm(aligned(last, form) - form, axis=1).max() / size
+        assert (off < 1e-9) == made.report["verdict"]["reached"]
+    square, _ = read_pattern(PATTERNS / "square_twist.fold")
+    angles = square.edges_foldAngle.copy()
+    angles[np.flatnonzero(square.edges_assignment == "M")[0]] += 20.0
+    wrong = replace(square, edges_foldAngle=angles)
+    made = simulate(wrong, "wrong", formats=[SimulationFormat.FOLD])
+    assert len(json.loads(made.files["wrong_folding.fold"])["file_frames"]) == 10
 
 
 def test_pictures_show_the_whole_sheet_with_a_margin():
