@@ -54,7 +54,7 @@ def simulate(
     if SimulationFormat.FOLD in formats:
         tell("write", 0, 1)
         states = [
-            (f"{state.load:.2%} of the fold angles", state.coords * folding.frame.size_mm)
+            (f"{state.load:.2%} of the way", state.coords * folding.frame.size_mm)
             for state in folding.states[1:]
         ]
         form = target_form(folding.frame)
