@@ -60,6 +60,21 @@ def test_a_crane_locks_all_at_once_and_folds_in_turn():
     assert told == [(number, told[0][1]) for number in range(told[0][1] + 1)]
 
 
+@pytest.mark.parametrize(
+    "settings", [FoldSettings(axial=200.0), FoldSettings(steps=1, facet=0.07, crease=0.2)]
+)
+def test_cranes_of_any_stiffness_and_either_side_fold_in_turn(settings):
+    pattern, _ = read_pattern(PATTERNS / "crane.fold")
+    letters = pattern.edges_assignment
+    other = np.select([letters == "M", letters == "V"], ["V", "M"], letters)
+    turned = replace(pattern, edges_foldAngle=-pattern.edges_foldAngle, edges_assignment=other)
+    for sheet in (pattern, turned):
+        _, verdict, _ = simulated(sheet, settings)
+        assert verdict.reached
+        assert verdict.in_turn
+        assert verdict.rmsd_rel < 1e-12
+
+
 def test_no_hinge_of_a_crane_turns_by_over_20_degrees_between_two_states_at_rest(crane):
     frame, way = crane
     folding = fold(frame, 60, way=way)
