@@ -4,7 +4,8 @@ A way is found in the space of all hinge angles, where nothing stretches: a chai
 flat to the target, drawn straight at first, then bent until the turns around every vertex close at
 every station (belcastro and Hull 2002) and the way is as short as that allows. Along it each crease
 has a rate of its own. This is the elastic band of Jonsson, Mills and Jacobsen (1998), with vertices
-that close in place of a low energy.
+that close in place of a low energy, and stations kept even as in the string method of E, Ren and
+Vanden-Eijnden (2002).
 """
 
 from __future__ import annotations
