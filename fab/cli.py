@@ -26,6 +26,7 @@ from solver.errors import InvalidValue, OrigamiError
 
 if TYPE_CHECKING:
     from fab.crease import CreasePattern
+    from fab.make import Made
     from fab.stiffness import FoldSettings
 
 __all__ = ["main"]
@@ -136,7 +137,7 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
         from fab.job import load_job
-        from fab.make import Format, make, require_folder, write
+        from fab.make import Format, make, require_folder
 
         chosen = _formats(only, Format)
         loaded = load_job(job, changes)
@@ -145,12 +146,7 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
         with _progress(interrupts) as progress:
             made = make(loaded, formats, progress)
         interrupts.check()
-        if not dry_run:
-            write(made, out)
-        for output in made.report["outputs"]:
-            verb = "would write" if dry_run else "wrote"
-            _say(f"{verb} {out / output['file']}  {output['bytes']} bytes")
-        _say(f"{'would write' if dry_run else 'wrote'} {out / 'report.json'}")
+        _write(made, out, dry_run)
         report = made.report
         _say(
             f"{report['counts']['faces']} faces; planarity {report['planarity_max']:.1e}, "
@@ -196,7 +192,7 @@ def fabricate(
     with _answers() as interrupts:
         from fab.drawings import SheetFormat
         from fab.fabricate import fabricate, left_over, scaled
-        from fab.make import require_folder, write
+        from fab.make import require_folder
         from fab.materials import load_machine, load_material
         from fab.pattern_file import read_pattern
         from fab.titles import plain_title
@@ -221,11 +217,7 @@ def fabricate(
                 progress=progress,
             )
         interrupts.check()
-        if not dry_run:
-            write(made, out)
-        verb = "would write" if dry_run else "wrote"
-        for file_name, data in made.files.items():
-            _say(f"{verb} {out / file_name}  {len(data)} bytes")
+        _write(made, out, dry_run)
         report = made.report
         _say(
             f"{len(report['pieces'])} pieces, {len(report['glue_up'])} seams, "
@@ -258,7 +250,7 @@ def simulate(
 ) -> None:
     """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
     with _answers() as interrupts:
-        from fab.make import require_folder, write
+        from fab.make import require_folder
         from fab.simulate import SimulationFormat, simulate
         from fab.simulation import Solver
 
@@ -276,11 +268,7 @@ def simulate(
                 progress=progress,
             )
         interrupts.check()
-        if not dry_run:
-            write(made, out)
-        verb = "would write" if dry_run else "wrote"
-        for output, data in made.files.items():
-            _say(f"{verb} {out / output}  {len(data)} bytes")
+        _write(made, out, dry_run)
         verdict = made.report["verdict"]
         far = verdict["rmsd_rel"]
         _say(
@@ -326,7 +314,7 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
     with _answers():
         from fab.coupon import coupon
         from fab.drawings import SheetFormat, drawing_files
-        from fab.make import Made, require_folder, write
+        from fab.make import Made, require_folder
         from fab.materials import load_machine, load_material
         from fab.titles import plain_title
         from fab.tour import tour
@@ -338,9 +326,7 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
         name = plain_title("_".join(["coupon", *names]))
         paths = tour(coupon(cutter, stuff))
         files = drawing_files(paths, name, formats, cutter.colours, cutter.dxf_version)
-        write(Made(files, {}, ()), out)
-        for file, data in files.items():
-            _say(f"wrote {out / file}  {len(data)} bytes")
+        _write(Made(files, {}, ()), out)
 
 
 @main.command()
@@ -469,19 +455,26 @@ def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bo
     """
     with _answers():
         from fab.convert import convert, read_any
-        from fab.make import require_folder, write
+        from fab.make import require_folder
 
         target = out if out is not None else files[-1]
         sources = files if out is not None else files[:-1]
         require_folder(target.parent)
         made = convert(read_any(sources, strict=strict), target)
-        if not dry_run:
-            write(made, target.parent)
-        verb = "would write" if dry_run else "wrote"
-        for name, data in made.files.items():
-            _say(f"{verb} {target.parent / name}  {len(data)} bytes")
+        _write(made, target.parent, dry_run)
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
+
+
+def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
+    """Write all files, unless it is a dry run, and list them."""
+    from fab.make import write
+
+    if not dry_run:
+        write(made, folder)
+    verb = "would write" if dry_run else "wrote"
+    for name, data in made.files.items():
+        _say(f"{verb} {folder / name}  {len(data)} bytes")
 
 
 def _tell(findings: Sequence[Finding]) -> None:

@@ -7,12 +7,9 @@ pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on
 
 from __future__ import annotations
 
-import dataclasses
-import hashlib
-import json
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,7 +22,7 @@ from fab.drawings import SheetFormat, drawing_files
 from fab.errors import Finding, InvalidJob
 from fab.fineness import narrow_faces
 from fab.labels import engraved
-from fab.make import Made, Progress
+from fab.make import Made, Progress, with_report
 from fab.materials import Machine, Material, Speeds, perforation_for
 from fab.nesting import Placements, nest, sheets
 from fab.paths import CutPaths, Layer, Operation
@@ -147,10 +144,9 @@ def fabricate(
                 **work,
             }
         )
-    report = _report(name, material, machine, copies, pieces, placements, listed, files, told)
-    files[f"{name}_report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    report = _report(name, material, machine, copies, pieces, placements, listed)
     tell("write", 1, 1)
-    return Made(files, report, tuple(told))
+    return with_report(files, f"{name}_report.json", report, told)
 
 
 def left_over(files: Iterable[str], name: str, folder: Path) -> list[Path]:
@@ -193,7 +189,7 @@ def _side(
 ) -> tuple[dict[str, bytes], dict[str, Any]]:
     """Files of one drawing, and figures of the work, in the order of the tour."""
     ordered = tour(paths)
-    work = dataclasses.asdict(estimate(ordered, _speeds(machine, material)))
+    work = asdict(estimate(ordered, _speeds(machine, material)))
     files = drawing_files(ordered, name, formats, machine.colours, machine.dxf_version)
     return files, {key: _round(value) for key, value in work.items()}
 
@@ -239,8 +235,6 @@ def _report(
     pieces: Pieces,
     placements: Placements,
     listed: list[dict[str, Any]],
-    files: dict[str, bytes],
-    findings: Sequence[Finding],
 ) -> dict[str, Any]:
     return {
         "name": name,
@@ -252,11 +246,6 @@ def _report(
             {"name": piece.name, "faces": int((piece.faces >= 0).sum())} for piece in pieces.pieces
         ],
         "glue_up": _glue_up(pieces, placements),
-        "outputs": [
-            {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-            for file, data in files.items()
-        ],
-        "findings": [dataclasses.asdict(finding) for finding in findings],
     }
 
 

@@ -4,12 +4,13 @@ Quasi-static: the target angles are ramped, and at each load the framework comes
 is predicted by turning all hinges (`fab.rotations`), so that long chains may turn far at once, and
 corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy.
 Angles that close store none at the full load, so that the last steps converge quadratically.
+All hinges are driven alike, or along a way on which each has a rate of its own (`fab.way`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -25,8 +26,11 @@ __all__ = [
     "Folding",
     "Progress",
     "aligned",
+    "along",
+    "damped",
     "flat_state",
     "fold",
+    "largest_turns",
     "silent",
     "state_of",
 ]
@@ -61,6 +65,7 @@ class FoldState:
     load : share of the target angles, 0 to 1.
     coords : shape (nv, 3), vertices of the framework over its size.
     energy : of bars and hinges; strain_mean, strain_max : sizes over all bars.
+    strain_peak : the largest of the latter, here and at the loads since the state before.
     accepted : energy of the prediction, and after each step that was taken from there to rest.
     iterations : linear systems solved since the state before, or Euler steps.
     settled : whether it came to rest, here and at the loads since the state before.
@@ -71,6 +76,7 @@ class FoldState:
     energy: Energy
     strain_mean: float
     strain_max: float
+    strain_peak: float
     accepted: tuple[float, ...]
     iterations: int
     settled: bool
@@ -78,10 +84,14 @@ class FoldState:
 
 @dataclass(frozen=True)
 class Folding:
-    """A fold from flat: its states, the flat one first."""
+    """A fold from flat: its states, the flat one first.
+
+    in_turn : whether the hinges were driven along a way of their own (`fab.way`), not all at once.
+    """
 
     frame: Framework
     states: tuple[FoldState, ...]
+    in_turn: bool = False
 
     @property
     def iterations(self) -> int:
@@ -94,37 +104,69 @@ def silent(done: int, total: int) -> None:
     del done, total
 
 
-def fold(frame: Framework, steps: int = 10, progress: Progress = silent) -> Folding:
+def fold(
+    frame: Framework,
+    steps: int = 10,
+    progress: Progress = silent,
+    way: FloatArray | None = None,
+) -> Folding:
     """Fold a framework from flat to its targets, with as many states, evenly over the load.
 
     Where that would turn hinges by more than 20 degrees at once, there are loads in between: a
     prediction that turns far would find the target without a way there.
 
+    way : shape (n, nh), radians, hinge angles to which the hinges are driven one after another,
+        from 0 to the targets; straight where none is given. Loads are even over it as the hinge
+        goes that turns the most.
     progress : called with (loads done, loads in all); an exception that it raises ends the fold.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
     turning = turner(frame)
-    most = float(np.abs(frame.hinges_target).max(initial=0.0))
+    in_turn = way is not None
+    if way is None:
+        way = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    most = float(largest_turns(way).sum())
     between = max(1, int(np.ceil(most / (_FARTHEST_RAD * steps))))
     loads = between * steps
     state = flat_state(frame)
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
-    solved, rested = 0, True
+    solved, rested, peak = 0, True, 0.0
     for number in range(1, loads + 1):
         progress(number - 1, loads)
-        target = number / loads * frame.hinges_target
-        coords = _predicted(frame, turning, state.coords, angles, target, loads)
+        target, rate = along(way, number / loads)
+        coords = _predicted(frame, turning, state.coords, angles + rate / loads, target)
         coords, accepted, iterations, settled = _rest(frame, coords, target, number == loads)
         coords = aligned(coords, state.coords)
         solved, rested = solved + iterations, rested and settled
         state = state_of(frame, number / loads, coords, target, solved, rested, accepted)
+        peak = max(peak, state.strain_max)
         if number % between == 0:
-            states.append(state)
-            solved, rested = 0, True
+            states.append(replace(state, strain_peak=peak))
+            solved, rested, peak = 0, True, 0.0
         angles = frame.angles_near(coords, target)
     progress(loads, loads)
-    return Folding(frame, tuple(states))
+    return Folding(frame, tuple(states), in_turn)
+
+
+def along(way: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
+    """Angles at a share of a way, over 0 to 1, and how fast they change there, shapes (nh,).
+
+    way : shape (n, nh), measured by how far the hinge goes that turns the most.
+    """
+    turned = largest_turns(way).cumsum()
+    if turned[-1] == 0:
+        return way[-1], np.zeros_like(way[-1])
+    ends = turned / turned[-1]
+    number = int(np.searchsorted(ends, share))
+    begin = ends[number - 1] if number else 0.0
+    rate = (way[number + 1] - way[number]) / (ends[number] - begin)
+    return way[-1] if share == 1 else way[number] + (share - begin) * rate, rate
+
+
+def largest_turns(way: FloatArray) -> FloatArray:
+    """How far the hinge goes that turns the most, from each station to the next, shape (n - 1,)."""
+    return np.asarray(np.abs(np.diff(way, axis=0)).max(axis=1, initial=0.0))
 
 
 def _predicted(
@@ -133,10 +175,9 @@ def _predicted(
     coords: FloatArray,
     angles: FloatArray,
     target: FloatArray,
-    loads: int,
 ) -> FloatArray:
-    """The sheet with all hinges turned on, or as it was where that stores less energy."""
-    turned = turning.coords(angles + frame.hinges_target / loads)
+    """The sheet with all hinges turned to `angles`, or as it was where that stores less energy."""
+    turned = turning.coords(angles)
     if frame.energy(turned, target).total < frame.energy(coords, target).total:
         return turned
     return coords
@@ -154,7 +195,7 @@ def _rest(
         gradient, matrix = frame.linearised(coords, target)
         if energy <= _ROUNDING_ENERGY * matrix.diagonal().sum():
             return coords, tuple(accepted), solved - 1, True
-        step = _damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
+        step = damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
         for length in _LENGTHS:
             lower = frame.energy(coords + length * step, target).total
             if lower < energy:
@@ -174,7 +215,8 @@ def _rest(
     return coords, tuple(accepted), most, False
 
 
-def _damped(matrix: csc_array, damping: float) -> SuperLU:
+def damped(matrix: csc_array, damping: float) -> SuperLU:
+    """Factors of a matrix with `damping` times the mean of its diagonal added to the latter."""
     matrix = matrix.copy()
     diagonal = matrix.diagonal()
     matrix.setdiag(diagonal + damping * diagonal.mean())
@@ -204,6 +246,7 @@ def state_of(
         coords,
         frame.energy(coords, target),
         float(strain.mean()),
+        float(strain.max()),
         float(strain.max()),
         accepted,
         iterations,

@@ -18,7 +18,7 @@ from fab.polygons import next_corner
 from fab.trees import face_tree
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, scattered, unit
 
-__all__ = ["Kinematics", "fold_by_angles", "unknown_angles", "vertices_closure_rad"]
+__all__ = ["Kinematics", "fold_by_angles", "next_around", "unknown_angles", "vertices_closure_rad"]
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def vertices_closure_rad(pattern: CreasePattern) -> FloatArray:
     following = next_corner(offsets)
     before = np.empty_like(following)
     before[following] = np.arange(len(corners))
-    beyond = _next_around(corners, following, before, count)
+    beyond = next_around(corners, following, before, count)
     sides = edges_between(pattern, np.column_stack([corners, corners[before]]))
     angle = np.radians(pattern.edges_foldAngle[sides])
     axis = flat[corners[before]] - flat[corners]
@@ -124,7 +124,7 @@ def _angles(matrices: FloatArray) -> FloatArray:
     return np.array(Rotation.from_matrix(matrices).magnitude() if len(matrices) else [], float)
 
 
-def _next_around(corners: IntArray, following: IntArray, before: IntArray, count: int) -> IntArray:
+def next_around(corners: IntArray, following: IntArray, before: IntArray, count: int) -> IntArray:
     """The corner of the next face counterclockwise around the same vertex; -1 at the border."""
     ways = corners * count + corners[following]
     order = np.argsort(ways)

@@ -38,7 +38,16 @@ from fab.panels import make_panels
 from fab.perforation import perforate
 from solver import DESIGNS, Growth, InvalidValue, Status
 
-__all__ = ["Format", "Made", "Progress", "grown_pattern", "make", "require_folder", "write"]
+__all__ = [
+    "Format",
+    "Made",
+    "Progress",
+    "grown_pattern",
+    "make",
+    "require_folder",
+    "with_report",
+    "write",
+]
 
 # A sheet that covers less of its surface is told of.
 _COVERED = 0.95
@@ -167,15 +176,23 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         "bounding_box_mm": boxes,
         "solids": solids,
         "simulation": simulation,
-        "outputs": [
-            {"file": name, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-            for name, data in files.items()
-        ],
         "seconds": clock.seconds,
-        "findings": [dataclasses.asdict(finding) for finding in findings],
     }
-    files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
-    return Made(files, report, tuple(findings))
+    return with_report(files, "report.json", report, findings)
+
+
+def with_report(
+    files: Mapping[str, bytes], name: str, report: Mapping[str, Any], findings: Sequence[Finding]
+) -> Made:
+    """Files and their report, the last of them: what is told, then all files and findings."""
+    listed = [
+        {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+        for file, data in files.items()
+    ]
+    told = [dataclasses.asdict(finding) for finding in findings]
+    report = {**report, "outputs": listed, "findings": told}
+    data = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    return Made({**files, name: data}, report, tuple(findings))
 
 
 def grown_pattern(

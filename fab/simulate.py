@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from enum import StrEnum
-from typing import Any
 
 from fab.crease import CreasePattern
 from fab.errors import Finding
 from fab.fold_file import fold_bytes
 from fab.inspection import inspect_angles
-from fab.make import Made, Progress
+from fab.make import Made, Progress, with_report
 from fab.simulation import Solver, simulated
 from fab.stiffness import FoldSettings
 from fab.verdict import target_form
@@ -57,7 +54,7 @@ def simulate(
     if SimulationFormat.FOLD in formats:
         tell("write", 0, 1)
         states = [
-            (f"{state.load:.2%} of the fold angles", state.coords * folding.frame.size_mm)
+            (f"{state.load:.2%} of the way", state.coords * folding.frame.size_mm)
             for state in folding.states[1:]
         ]
         form = target_form(folding.frame)
@@ -75,17 +72,11 @@ def simulate(
 
         files[f"{stem}.gif"] = gif_bytes(folding, name, lambda *at: tell("draw", *at))
     every = [*findings, *inspect_angles(sheet), *told]
-    report: dict[str, Any] = {
+    report = {
         "name": name,
         "solver": solver,
         "settings": settings.model_dump(mode="json"),
         "verdict": verdict.report(),
-        "outputs": [
-            {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
-            for file, data in files.items()
-        ],
-        "findings": [vars(finding) for finding in every],
     }
-    files[f"{stem}.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     tell("write", 1, 1)
-    return Made(files, report, tuple(every))
+    return with_report(files, f"{stem}.json", report, every)

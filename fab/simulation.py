@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
+from functools import partial
 
 from fab.crease import CreasePattern
 from fab.dynamics import fold_dynamically
@@ -12,8 +14,13 @@ from fab.folding import Folding, fold
 from fab.framework import framework
 from fab.stiffness import FoldSettings
 from fab.verdict import Verdict, findings_of, judge
+from fab.way import closing_way
 
 __all__ = ["Solver", "simulated"]
+
+
+# Ways of more hinges take minutes to find.
+_MOST_HINGES = 2000
 
 
 class Solver(StrEnum):
@@ -29,7 +36,10 @@ def simulated(
     solver: Solver = Solver.QUASI_STATIC,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> tuple[Folding, Verdict, list[Finding]]:
-    """Fold a pattern and judge it. Raises `InvalidValue` where it has no area."""
+    """Fold a pattern and judge it. Raises `InvalidValue` where it has no area.
+
+    A sheet that locks when all its creases fold at once is folded again, in turn.
+    """
     tell = progress if progress is not None else lambda *_: None
     frame = framework(pattern, settings)
 
@@ -43,4 +53,12 @@ def simulated(
     tell("judge", 0, 1)
     verdict = judge(folding)
     tell("judge", 1, 1)
+    if solver is Solver.QUASI_STATIC and verdict.locked and len(frame.hinges_edge) <= _MOST_HINGES:
+        way = closing_way(frame, partial(tell, "order"))
+        again = fold(frame, settings.steps, step, way.angles)
+        judged = judge(again)
+        solved = folding.iterations + way.iterations + again.iterations
+        if judged.reached:
+            folding, verdict = again, judged
+        verdict = replace(verdict, iterations=solved)
     return folding, verdict, findings_of(verdict)

@@ -69,7 +69,9 @@ class Verdict:
         alone, over the diagonal of the sheet. Large at free creases, and where angles do not close.
     driven : number of creases that fold; free : number of creases that nothing drives, those of
         unknown angle and slits of one edge.
-    peak_strain, peak_strain_load : the largest strain on the way, and where.
+    peak_strain, peak_strain_load : the largest strain on the way, and the state up to which.
+    iterations : linear systems solved.
+    in_turn : whether the creases were driven in turn, since all at once they lock.
     path : all states, the flat one first.
     """
 
@@ -89,7 +91,14 @@ class Verdict:
     peak_strain: float
     peak_strain_load: float
     iterations: int
+    in_turn: bool
     path: tuple[PathPoint, ...]
+
+    @property
+    def locked(self) -> bool:
+        """Whether creases are not at their angles although all of these are known and close."""
+        closes = self.closure_max_rad <= _CLOSURE_RAD and self.gap_rel <= _SHAPE_REL
+        return bool(self.off_creases) and not self.free and closes
 
     def report(self) -> dict[str, Any]:
         """As JSON values; lists of creases and vertices hold the first twenty, and their number."""
@@ -123,7 +132,7 @@ def judge(folding: Folding) -> Verdict:
     closure = kinematics.vertices_closure_rad
     bad = np.flatnonzero(closure > _CLOSURE_RAD)
     bad = bad[np.argsort(-closure[bad], kind="stable")]
-    peak = max(folding.states, key=lambda state: state.strain_max)
+    peak = max(folding.states, key=lambda state: state.strain_peak)
     reached = worst <= _ANGLE_DEG and last.strain_max <= _STRAIN and (rmsd or 0.0) <= _SHAPE_REL
     return Verdict(
         reached and last.settled,
@@ -139,9 +148,10 @@ def judge(folding: Folding) -> Verdict:
         kinematics.gap_mm / frame.size_mm,
         int(folds.sum()),
         int(unknown_angles(sheet.pattern)[frame.hinges_edge[frame.hinges_edge >= 0]].sum()),
-        peak.strain_max,
+        peak.strain_peak,
         peak.load,
         folding.iterations,
+        folding.in_turn,
         tuple(
             PathPoint(
                 state.load,
@@ -214,6 +224,12 @@ def findings_of(verdict: Verdict) -> list[Finding]:
             "wrong angle."
         )
         out.append(Finding("angles-do-not-close", Severity.ERROR, text))
+    if verdict.in_turn:
+        text = (
+            "folded all at once its creases lock: they are folded in turn, each at a rate of its "
+            "own."
+        )
+        out.append(Finding("folds-in-turn", Severity.NOTE, text))
     crossing = [point.load for point in verdict.path if point.crossings]
     if crossing:
         ends = verdict.path[-1].crossings > 0

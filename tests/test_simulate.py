@@ -17,6 +17,7 @@ from fab.cli import main
 from fab.folding import aligned, fold
 from fab.framework import framework
 from fab.job import load_job
+from fab.kinematics import fold_by_angles
 from fab.make import Format, make
 from fab.pattern_file import read_pattern, read_pattern_file
 from fab.simulate import SimulationFormat, simulate
@@ -28,6 +29,7 @@ PATTERNS = Path(__file__).parent / "patterns"
 REACHED = [
     "bird_base",
     "box",
+    "crane",
     "maze",
     "miura",
     "popup",
@@ -35,8 +37,8 @@ REACHED = [
     "waterbomb",
     "yoshimura",
 ]
-# A crane is folded in an order; this Resch tessellation has creases without an angle.
-NOT_REACHED = ["crane", "resch"]
+# This Resch tessellation has creases without an angle.
+NOT_REACHED = ["resch"]
 
 
 def run(*arguments):
@@ -68,8 +70,7 @@ def test_patterns_that_do_not_get_there_are_told(name):
     assert not verdict["reached"]
     assert 0 < len(verdict["off_creases"]) <= 20 <= verdict["off_creases_count"]
     finding = next(f for f in told["findings"] if f["code"] == "target-not-reached")
-    cure = {"crane": "take more steps", "resch": "creases turn freely"}[name]
-    assert cure in finding["text"]
+    assert "creases turn freely" in finding["text"]
 
 
 def test_the_files_of_a_simulation_hold_its_states(tmp_path):
@@ -256,12 +257,15 @@ def test_faces_that_miss_each_other_around_a_hole_are_told():
 
 def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
     """That of the angles, whether the sheet gets there or not; none where they do not close."""
-    for name, frames in (("square_twist", 11), ("crane", 11), ("popup", 11)):
-        pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
-        assert pattern.folded_coords is None
-        made = simulate(pattern, name, formats=[SimulationFormat.FOLD])
-        data = made.files[f"{name}_folding.fold"]
-        assert len(json.loads(data)["file_frames"]) == frames
+    names = ("square_twist", "popup", "miura")
+    sheets = [read_pattern(PATTERNS / f"{name}.fold")[0] for name in names]
+    assert all(pattern.folded_coords is None for pattern in sheets)
+    mirrored = fold_by_angles(sheets[-1]).folded_coords * [1, 1, -1]
+    for pattern in (*sheets, replace(sheets[-1], folded_coords=mirrored)):
+        made = simulate(pattern, "sheet", formats=[SimulationFormat.FOLD])
+        assert made.report["verdict"]["reached"] == (pattern.folded_coords is None)
+        data = made.files["sheet_folding.fold"]
+        assert len(json.loads(data)["file_frames"]) == 11
         (tmp_path / "x.fold").write_bytes(data)
         found = read_pattern_file(tmp_path / "x.fold")
         form, last = found.pattern.folded_coords, found.states[-1][1]
