@@ -6,21 +6,20 @@ import io
 import itertools
 import re
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from fab.bodies import TriangleMesh
-from fab.hinges import Webs
-from fab.panels import Panels, Prisms
-from solver.vectors import FloatArray
+from fab.bodies import Bodies, TriangleMesh
+from fab.thick import ThickSheet
+from solver.vectors import FloatArray, cross
 
 if TYPE_CHECKING:
     from build123d import Compound, Solid
 
-__all__ = ["assembly", "step_bytes", "stl_bytes", "threemf_bytes"]
+__all__ = ["assembly", "side_loops", "step_bytes", "stl_bytes", "threemf_bytes"]
 
 Colour: TypeAlias = tuple[float, float, float]
 
@@ -90,43 +89,66 @@ def threemf_bytes(mesh: TriangleMesh, name: str) -> bytes:
     return stream.getvalue()
 
 
-def assembly(panels: Panels, webs: Webs, assignments: Sequence[str], name: str) -> Compound:
-    """The panels and webs as named, coloured CAD solids in one build123d compound.
-
-    assignments : letter of every edge of the pattern. Panel f stands on face f, hinge e on edge e.
-    """
+def assembly(sheet: ThickSheet, name: str) -> Compound:
+    """The bodies of a sheet as named, coloured CAD solids in one build123d compound."""
     from build123d import Color
 
-    compound = _labelled(panels, webs, name)
-    for child, colour in zip(compound.children, _colours(panels, webs, assignments), strict=True):
+    compound = _labelled(sheet, name)
+    for child, colour in zip(compound.children, _colours(sheet), strict=True):
         child.color = Color(*colour)
     return compound
 
 
-def _labelled(panels: Panels, webs: Webs, name: str) -> Compound:
+def _labelled(sheet: ThickSheet, name: str) -> Compound:
     from build123d import Compound
 
-    solids = _solids(panels.prisms) + _solids(webs.prisms)
-    labels = [f"panel_{face}" for face in panels.faces] + [f"hinge_{e}" for e in webs.creases]
-    for solid, label in zip(solids, labels, strict=True):
+    solids = _solids(sheet.bodies)
+    for solid, label in zip(solids, sheet.names, strict=True):
         solid.label = label
     return Compound(label=name, children=solids)
 
 
-def _colours(panels: Panels, webs: Webs, assignments: Sequence[str]) -> list[Colour]:
-    hinges = [_HINGE_COLOURS[assignments[edge]] for edge in webs.creases.tolist()]
-    return [_PANEL_COLOUR] * len(panels.faces) + hinges
+def _colours(sheet: ThickSheet) -> list[Colour]:
+    letters = sheet.pattern.edges_assignment
+    hinges = zip(sheet.flexible.tolist(), sheet.creases.tolist(), strict=True)
+    return [_HINGE_COLOURS[letters[e]] if soft and e >= 0 else _PANEL_COLOUR for soft, e in hinges]
 
 
-def _solids(prisms: Prisms) -> list[Solid]:
+def _solids(bodies: Bodies) -> list[Solid]:
     make = _solid_maker()
-    return [
-        make(prisms.bottom[prisms.ring(i)], prisms.top[prisms.ring(i)], float(prisms.heights_mm[i]))
-        for i in range(len(prisms))
-    ]
+    return [make(bodies.mesh(i)) for i in range(len(bodies))]
 
 
-def _solid_maker() -> Callable[[FloatArray, FloatArray, float], Solid]:
+def side_loops(mesh: TriangleMesh) -> list[list[list[int]]]:
+    """The outlines of each planar side of a body: its outer ring and those of holes."""
+    sides: dict[int, dict[int, list[int]]] = {}
+    half = np.concatenate([mesh.triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    plane = np.tile(mesh.triangles_plane, 3)
+    inner = set(zip(plane.tolist(), half[:, 1].tolist(), half[:, 0].tolist(), strict=True))
+    for p, a, b in zip(plane.tolist(), half[:, 0].tolist(), half[:, 1].tolist(), strict=True):
+        if (p, a, b) not in inner:
+            sides.setdefault(p, {}).setdefault(a, []).append(b)
+    out = []
+    for _, following in sorted(sides.items()):
+        loops = []
+        while following:
+            start = at = next(iter(following))
+            loop = []
+            while True:
+                loop.append(at)
+                ends = following[at]
+                at_next = ends.pop()
+                if not ends:
+                    del following[at]
+                at = at_next
+                if at == start:
+                    break
+            loops.append(loop)
+        out.append(loops)
+    return out
+
+
+def _solid_maker() -> Callable[[TriangleMesh], Solid]:
     """A function that makes a boundary representation from shared edges and explicit planes."""
     from build123d import Solid
     from OCP.BRep import BRep_Builder
@@ -137,14 +159,12 @@ def _solid_maker() -> Callable[[FloatArray, FloatArray, float], Solid]:
         BRepBuilderAPI_MakeWire,
     )
     from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
-    from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Shell, TopoDS_Solid
+    from OCP.TopoDS import TopoDS, TopoDS_Edge, TopoDS_Shell, TopoDS_Solid, TopoDS_Wire
 
     builder = BRep_Builder()
 
-    def make(bottom: FloatArray, top: FloatArray, height: float) -> Solid:
-        n = len(bottom)
-        points = np.zeros((2 * n, 3))
-        points[:n, :2], points[n:, :2], points[n:, 2] = bottom, top, height
+    def make(mesh: TriangleMesh) -> Solid:
+        points = mesh.vertices_coords
         corners = [BRepBuilderAPI_MakeVertex(gp_Pnt(*p)).Vertex() for p in points.tolist()]
         edges: dict[tuple[int, int], TopoDS_Edge] = {}
 
@@ -154,18 +174,24 @@ def _solid_maker() -> Callable[[FloatArray, FloatArray, float], Solid]:
             edges[i, j] = BRepBuilderAPI_MakeEdge(corners[i], corners[j]).Edge()
             return edges[i, j]
 
+        def wire(ring: list[int]) -> TopoDS_Wire:
+            made = BRepBuilderAPI_MakeWire()
+            for i, j in zip(ring, [*ring[1:], ring[0]], strict=True):
+                made.Add(edge(i, j))
+            return made.Wire()
+
         shell = TopoDS_Shell()
         builder.MakeShell(shell)
-        rings = [list(range(n))[::-1], list(range(n, 2 * n))]
-        rings += [[i, (i + 1) % n, (i + 1) % n + n, i + n] for i in range(n)]
-        for ring in rings:
-            wire = BRepBuilderAPI_MakeWire()
-            for i, j in zip(ring, [*ring[1:], ring[0]], strict=True):
-                wire.Add(edge(i, j))
-            centred = points[ring] - points[ring].mean(axis=0)
-            normal = np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0)
-            plane = gp_Pln(gp_Pnt(*points[ring].mean(axis=0)), gp_Dir(*normal))
-            builder.Add(shell, BRepBuilderAPI_MakeFace(plane, wire.Wire(), True).Face())
+        for rings in side_loops(mesh):
+            areas = [_area(points[ring]) for ring in rings]
+            outer = int(np.argmax([float(area @ area) for area in areas]))
+            place = points[rings[outer]].mean(axis=0)
+            plane = gp_Pln(gp_Pnt(*place.tolist()), gp_Dir(*areas[outer].tolist()))
+            face = BRepBuilderAPI_MakeFace(plane, wire(rings[outer]), True)
+            for number, ring in enumerate(rings):
+                if number != outer:
+                    face.Add(wire(ring))
+            builder.Add(shell, face.Face())
         shell.Closed(True)
         body = TopoDS_Solid()
         builder.MakeSolid(body)
@@ -175,7 +201,12 @@ def _solid_maker() -> Callable[[FloatArray, FloatArray, float], Solid]:
     return make
 
 
-def step_bytes(panels: Panels, webs: Webs, assignments: Sequence[str], name: str) -> bytes:
+def _area(ring: FloatArray) -> FloatArray:
+    centred = ring - ring.mean(axis=0)
+    return np.asarray(cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0))
+
+
+def step_bytes(sheet: ThickSheet, name: str) -> bytes:
     """STEP AP214 file of the assembly with names and colours, the same bytes for the same solids.
 
     OpenCASCADE numbers the uses of parts in an assembly by a counter of the running process, and
@@ -186,7 +217,7 @@ def step_bytes(panels: Panels, webs: Webs, assignments: Sequence[str], name: str
 
     stream = io.BytesIO()
     timestamp = "1980-01-01T00:00:00"
-    export_step(_labelled(panels, webs, name), stream, write_pcurves=False, timestamp=timestamp)
+    export_step(_labelled(sheet, name), stream, write_pcurves=False, timestamp=timestamp)
     uses = itertools.count(1)
     # on one line each: where OpenCASCADE breaks them depends on the length of its number
     text = re.sub(
@@ -200,9 +231,7 @@ def step_bytes(panels: Panels, webs: Webs, assignments: Sequence[str], name: str
         flags=re.DOTALL,
     )
     body, end, tail = text.rpartition("ENDSEC;")
-    return "".join(
-        [body, _step_styles(body, _colours(panels, webs, assignments)), end, tail]
-    ).encode()
+    return "".join([body, _step_styles(body, _colours(sheet)), end, tail]).encode()
 
 
 def _step_styles(body: str, colours: list[Colour]) -> str:
