@@ -29,12 +29,24 @@ def manifolds(bodies: Bodies) -> list[Manifold]:
 
 
 def joined_mesh(bodies: Bodies) -> TriangleMesh:
-    """The union of bodies that reach into each other, standing on z = 0."""
+    """The union of bodies that reach into each other, standing on z = 0.
+
+    Corners nearer to each other than single precision can tell become one, so that files of that
+    precision have no slivers.
+    """
     from manifold3d import Manifold, OpType
 
-    mesh = Manifold.batch_boolean(manifolds(bodies), OpType.Add).to_mesh64()
+    whole = Manifold.batch_boolean(manifolds(bodies), OpType.Add)
+    # as an original, it forgets between which of the bodies its edges ran
+    mesh = whole.as_original().simplify(_told_apart_mm(bodies)).to_mesh64()
     coords = np.array(mesh.vert_properties[:, :3], np.float64)
     coords[:, 2] -= coords[:, 2].min(initial=0.0)
     triangles = np.asarray(mesh.tri_verts, np.int64)
     plane: IntArray = np.asarray(mesh.face_id, np.int64)
     return TriangleMesh(coords, triangles, plane)
+
+
+def _told_apart_mm(bodies: Bodies) -> float:
+    """A distance that single precision resolves everywhere in the bodies, and no one can print."""
+    reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
+    return max(1e-4, 8 * reach * float(np.finfo(np.float32).eps))

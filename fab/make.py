@@ -237,7 +237,9 @@ def _solid_files(
     clock: _Clock,
 ) -> dict[str, Any] | None:
     from fab.joining import joined_mesh
-    from fab.solid import step_bytes, stl_bytes, threemf_bytes
+    from fab.step import step_bytes
+    from fab.stl import stl_bytes
+    from fab.threemf import sheet_parts, threemf_bytes
 
     with clock.stage("panels"):
         sheet, missing = thicken(pattern, job.panels, job.hinges)
@@ -258,7 +260,7 @@ def _solid_files(
             files[f"{job.name}.stl"] = stl_bytes(joined)
     if Format.THREEMF in wanted:
         with clock.stage("3mf"):
-            files[f"{job.name}.3mf"] = threemf_bytes(joined, job.name)
+            files[f"{job.name}.3mf"] = threemf_bytes(sheet_parts(sheet), job.name)
     return dataclasses.asdict(figures)
 
 

@@ -8,6 +8,7 @@ import zipfile
 import numpy as np
 import pytest
 import trimesh
+from fab.solid import assembly, step_bytes, stl_bytes, threemf_bytes
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from manifold3d import Error, Manifold, Mesh64
@@ -20,7 +21,6 @@ from fab.errors import Severity
 from fab.hinges import HingeSettings, make_webs
 from fab.inspection import inspect_solids
 from fab.panels import PanelSettings, inset, make_panels
-from fab.solid import assembly, step_bytes, stl_bytes, threemf_bytes
 from solver import CurvedFold, Miura
 from solver.mesh import edges_of
 
