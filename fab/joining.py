@@ -49,4 +49,4 @@ def joined_mesh(bodies: Bodies) -> TriangleMesh:
 def _told_apart_mm(bodies: Bodies) -> float:
     """A distance that single precision resolves everywhere in the bodies, and no one can print."""
     reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
-    return max(1e-4, 8 * reach * float(np.finfo(np.float32).eps))
+    return max(1e-4, 2 * reach * float(np.finfo(np.float32).eps))

@@ -38,7 +38,7 @@ class SideLoops:
 
 
 def side_loops(bodies: Bodies) -> SideLoops:
-    """The rings around the sides of all bodies.
+    """The rings around the sides of all bodies; a side is a connected part of a plane.
 
     Rings that meet in a vertex stay apart: around it they go on within the same fan of triangles.
 
@@ -54,6 +54,9 @@ def side_loops(bodies: Bodies) -> SideLoops:
     plane = np.repeat(bodies.triangles_plane, 3)
     border = plane != plane[twin]
     half = np.arange(len(start))
+    inside = half[~border] // 3, twin[~border] // 3
+    links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
+    side = np.repeat(connected_components(links, directed=False)[1], 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
     following = ahead.copy()
     while (within := ~border[following]).any():
@@ -65,9 +68,9 @@ def side_loops(bodies: Bodies) -> SideLoops:
     coords = coords - np.repeat(coords[offsets[:-1]], np.diff(offsets), axis=0)
     area = np.add.reduceat(cross(coords, coords[next_corner(offsets)]), offsets[:-1])
     size = norm(area)
-    order = np.lexsort([first, -size, plane[first], body])
+    order = np.lexsort([first, -size, side[first], body])
     outer = np.ones(len(order), bool)
-    outer[1:] = np.diff(plane[first[order]]) != 0
+    outer[1:] = np.diff(side[first[order]]) != 0
     normals = (area / size[:, None])[order][np.flatnonzero(outer)[np.cumsum(outer) - 1]]
     sizes = np.diff(offsets)[order]
     ends = np.concatenate([[0], np.cumsum(sizes)])

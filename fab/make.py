@@ -238,7 +238,7 @@ def _solid_files(
 ) -> dict[str, Any] | None:
     from fab.joining import joined_mesh
     from fab.step import step_bytes
-    from fab.stl import stl_bytes
+    from fab.stl import inspect_stl, stl_bytes
     from fab.threemf import sheet_parts, threemf_bytes
 
     with clock.stage("panels"):
@@ -258,6 +258,7 @@ def _solid_files(
     if Format.STL in wanted:
         with clock.stage("stl"):
             files[f"{job.name}.stl"] = stl_bytes(joined)
+            findings += inspect_stl(joined)
     if Format.THREEMF in wanted:
         with clock.stage("3mf"):
             files[f"{job.name}.3mf"] = threemf_bytes(sheet_parts(sheet), job.name)

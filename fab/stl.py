@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from fab.bodies import TriangleMesh
+from fab.errors import Finding, Severity
 from fab.package import zip_bytes
 from fab.thick import ThickSheet
 from solver.vectors import FloatArray, cross, norm
 
-__all__ = ["body_stls", "stl_bytes"]
+__all__ = ["body_stls", "inspect_stl", "stl_bytes"]
 
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -36,3 +37,31 @@ def body_stls(sheet: ThickSheet) -> bytes:
     return zip_bytes(
         {f"{name}.stl": stl_bytes(mesh) for name, mesh in zip(sheet.names, meshes, strict=True)}
     )
+
+
+def inspect_stl(mesh: TriangleMesh) -> list[Finding]:
+    """A finding where the surface, in the single precision of STL files, needs repair.
+
+    Readers take corners for one where they are equal: each edge must then lie between exactly two
+    triangles, and no triangle have two equal corners.
+    """
+    corners = mesh.vertices_coords.astype(np.float32)[mesh.triangles].reshape(-1, 3)
+    _, number = np.unique(corners, axis=0, return_inverse=True)
+    triangles = number.reshape(-1, 3).astype(np.int64)
+    after = np.roll(triangles, -1, axis=1)
+    collapsed = int((triangles == after).any(axis=1).sum())
+    size = len(corners)
+    there, times = np.unique(triangles * size + after, return_counts=True)
+    back = np.sort(there % size * size + there // size)
+    unpaired = int((times > 1).sum()) + len(np.setxor1d(there, back)) // 2
+    if not collapsed and not unpaired:
+        return []
+    return [
+        Finding(
+            "stl-not-closed",
+            Severity.ERROR,
+            f"in the single precision of STL files {unpaired} edges of the surface are not between "
+            f"two triangles, and {collapsed} triangles have no area: slicers must repair it. "
+            "Print the 3MF file, or enlarge the gaps.",
+        )
+    ]
