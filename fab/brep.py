@@ -78,7 +78,7 @@ def solids(bodies: Bodies) -> list[Solid]:
     owners, normals = loops.bodies.tolist(), loops.normals.tolist()
     starts = loops.corners[loops.offsets[:-1]].tolist()
     sides = np.flatnonzero(loops.outer)
-    ring_ends = np.append(sides[1:], len(loops.outer)).tolist()
+    ring_ends = [*sides[1:].tolist(), len(loops.outer)]
     for first, last in zip(sides.tolist(), ring_ends, strict=True):
         face = TopoDS_Face()
         plane = Geom_Plane(points[starts[first]], gp_Dir(*normals[first]))

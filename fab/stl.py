@@ -47,13 +47,15 @@ def inspect_stl(mesh: TriangleMesh) -> list[Finding]:
     """
     corners = mesh.vertices_coords.astype(np.float32)[mesh.triangles].reshape(-1, 3)
     _, number = np.unique(corners, axis=0, return_inverse=True)
-    triangles = number.reshape(-1, 3).astype(np.int64)
-    after = np.roll(triangles, -1, axis=1)
-    collapsed = int((triangles == after).any(axis=1).sum())
-    size = len(corners)
-    there, times = np.unique(triangles * size + after, return_counts=True)
-    back = np.sort(there % size * size + there // size)
-    unpaired = int((times > 1).sum()) + len(np.setxor1d(there, back)) // 2
+    triangles = number.reshape(-1, 3)
+    whole = (triangles != np.roll(triangles, -1, axis=1)).all(axis=1)
+    collapsed = int((~whole).sum())
+    start = triangles[whole].ravel()
+    end = np.roll(triangles[whole], -1, axis=1).ravel()
+    edges = np.minimum(start, end) * len(corners) + np.maximum(start, end)
+    _, edge, times = np.unique(edges, return_inverse=True, return_counts=True)
+    balance = np.bincount(edge, np.sign(end - start), len(times))
+    unpaired = int(((times != 2) | (balance != 0)).sum())
     if not collapsed and not unpaired:
         return []
     return [

@@ -33,23 +33,35 @@ def box(size, place=(0.0, 0.0, 0.0)) -> Manifold:
     return Manifold.cube(size).translate(place)
 
 
-CUBE = box((4, 4, 4))
-PIT = Manifold.hull_points(np.array([[0.0, 0, 4], [3, 1, 4], [1, 3, 4], [1, 1, 2]]))
+def cube() -> Manifold:
+    return box((4, 4, 4))
+
+
+def with_pit() -> Manifold:
+    """A pit that touches a corner of the top, whose ring passes that corner twice."""
+    corners = np.array([[0.0, 0, 4], [3, 1, 4], [1, 3, 4], [1, 1, 2]])
+    return cube() - Manifold.hull_points(corners)
+
+
 SHAPES = {
-    "cube": (CUBE, 6, 0),
-    "tube": (CUBE - box((1, 1, 9), (1, 1, -1)), 10, 2),
-    "two tubes": (CUBE - box((1, 1, 9), (0.5, 1, -1)) - box((1, 1, 9), (2.5, 1, -1)), 14, 4),
-    # the top in two parts, by a groove
-    "groove": (CUBE - box((1, 9, 9), (1.5, -1, 3)), 10, 0),
-    # a pit that touches the corner of the top, whose ring passes that corner twice
-    "pit": (CUBE - PIT, 9, 0),
+    "cube": (cube, 6, 0),
+    "tube": (lambda: cube() - box((1, 1, 9), (1, 1, -1)), 10, 2),
+    "two tubes": (
+        lambda: cube() - box((1, 1, 9), (0.5, 1, -1)) - box((1, 1, 9), (2.5, 1, -1)),
+        14,
+        4,
+    ),
+    # the top in two parts
+    "groove": (lambda: cube() - box((1, 9, 9), (1.5, -1, 3)), 10, 0),
+    "pit": (with_pit, 9, 0),
 }
 
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_sides_and_holes_of_known_bodies(name):
-    solid, sides, holes = SHAPES[name]
-    bodies = bodies_of([flat_sided(solid), flat_sided(CUBE)])
+    make, sides, holes = SHAPES[name]
+    solid = make()
+    bodies = bodies_of([flat_sided(solid), flat_sided(cube())])
     loops = side_loops(bodies)
     first = loops.bodies == 0
     assert (loops.outer & first).sum() == sides
@@ -63,7 +75,7 @@ def test_sides_and_holes_of_known_bodies(name):
 
 
 def test_a_ring_passes_a_corner_twice_where_a_pit_touches_it():
-    loops = side_loops(bodies_of([flat_sided(CUBE - PIT)]))
+    loops = side_loops(bodies_of([flat_sided(with_pit())]))
     ring = max(np.split(loops.corners, loops.offsets[1:-1]), key=len)
     assert len(ring) == 7
     assert len(set(ring.tolist())) == 6
@@ -90,7 +102,7 @@ def test_rings_bound_the_area_of_their_triangles(columns, rows, axis):
 
 
 def test_bodies_that_are_not_closed_are_refused():
-    mesh = flat_sided(CUBE)
+    mesh = flat_sided(cube())
     open_ = TriangleMesh(mesh.vertices_coords, mesh.triangles[1:], mesh.triangles_plane[1:])
     with pytest.raises(InvalidValue, match="between exactly two triangles"):
         side_loops(bodies_of([open_]))
