@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +66,7 @@ def solids(bodies: Bodies) -> list[Solid]:
     backward = (ends[:, 0] > ends[:, 1]).astype(int)
     uses = list(zip(number.ravel().tolist(), backward.tolist(), strict=True))
     wires = []
-    for first, last in zip(loops.offsets[:-1].tolist(), loops.offsets[1:].tolist(), strict=True):
+    for first, last in pairwise(loops.offsets.tolist()):
         wire = TopoDS_Wire()
         builder.MakeWire(wire)
         for edge_number, way_back in uses[first:last]:
@@ -78,8 +79,7 @@ def solids(bodies: Bodies) -> list[Solid]:
     owners, normals = loops.bodies.tolist(), loops.normals.tolist()
     starts = loops.corners[loops.offsets[:-1]].tolist()
     sides = np.flatnonzero(loops.outer)
-    ring_ends = [*sides[1:].tolist(), len(loops.outer)]
-    for first, last in zip(sides.tolist(), ring_ends, strict=True):
+    for first, last in pairwise([*sides.tolist(), len(loops.outer)]):
         face = TopoDS_Face()
         plane = Geom_Plane(points[starts[first]], gp_Dir(*normals[first]))
         builder.MakeFace(face, plane, here, _TOLERANCE_MM)
