@@ -32,7 +32,9 @@ SHEETS = {
     "miura, middle": lambda: thick(miura_pattern(), "middle"),
     "waterbomb": lambda: thick(shipped_pattern("waterbomb", 100.0), "middle"),
     "resch": lambda: thick(shipped_pattern("resch", 200.0)),
-    "large": lambda: thick(shipped_pattern("square_twist", 2500.0), "middle"),
+    # so large that single precision cannot tell where webs end from where panels end
+    "large": lambda: thick(shipped_pattern("square_twist", 2500.0)),
+    "huge": lambda: thick(shipped_pattern("waterbomb", 9000.0)),
 }
 
 
