@@ -53,10 +53,10 @@ def _styles(body: str, colours: list[Rgb]) -> str:
     """Entities that colour the solids of a STEP file, in the order of the file."""
     solids = re.findall(r"^#(\d+) = MANIFOLD_SOLID_BREP\(", body, re.MULTILINE)
     context = re.search(r"^#(\d+) = \( GEOMETRIC_REPRESENTATION_CONTEXT\(3\)", body, re.MULTILINE)
-    last = re.findall(r"^#(\d+) = ", body, re.MULTILINE)[-1]
     if context is None or len(solids) != len(colours):
         raise RuntimeError(f"STEP file with {len(solids)} solids, {len(colours)} were given")
-    number = itertools.count(int(last) + 1)
+    last = body.rindex("\n#") + 2
+    number = itertools.count(int(body[last : body.index(" ", last)]) + 1)
     lines: list[str] = []
 
     def entity(text: str) -> str:

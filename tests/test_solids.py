@@ -4,6 +4,7 @@ import io
 import re
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from thick_sheets import miura_pattern, shipped_pattern, thick
 
 from fab.bodies import TriangleMesh
+from fab.body_colours import body_colours
 from fab.joining import joined_mesh, manifold_of
 from fab.step import step_bytes
 from fab.stl import body_stls, inspect_stl, stl_bytes
@@ -138,6 +140,18 @@ def test_threemf_is_one_object_with_a_volume_for_each_material(sheet):
     assert vertices[:, 2].min() == 0
     bases = [base.get("name") for base in model.iter(f"{CORE}base")]
     assert bases == ["panels", "hinges"]
+
+
+def test_parts_are_named_by_what_is_flexible(sheet):
+    def parts(**changes):
+        return [(part.name, part.extruder) for part in sheet_parts(replace(sheet, **changes))]
+
+    none = np.full(len(sheet.bodies), -1)
+    assert parts(flexible=none > 0) == [("panels", 1)]
+    assert parts(creases=none) == [("panels", 1), ("film", 2)]
+    (film,) = sheet_parts(replace(sheet, creases=none, flexible=none < 0))
+    assert film.extruder == 2
+    assert body_colours(replace(sheet, creases=none))[-1] == film.colour
 
 
 def test_threemf_of_one_part_is_one_volume(sheet):
