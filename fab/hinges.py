@@ -1,7 +1,7 @@
 """What joins two panels along their crease?
 
-A web: a thin strip on z = 0 across the gap, ending before the corners of both panels, so that the
-vertices of the pattern stay open.
+A web: a thin strip across the gap at the height of the axes, ending before the corners of both
+panels, so that the vertices of the pattern stay open.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 from pydantic import Field
 
+from fab.bodies import Bodies, stacked
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.panels import Panels, Prisms
-from fab.polygons import next_corner
+from fab.panels import Panels, spans
 from fab.settings import Settings
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["HingeSettings", "Webs", "make_webs"]
+__all__ = ["HingeSettings", "Webs", "crease_sides", "make_webs", "web_setbacks"]
 
 
 class HingeSettings(Settings):
@@ -33,6 +33,12 @@ class HingeSettings(Settings):
         le=1000,
         description="from the end of a web to the nearest panel corner or vertex",
     )
+    strain_max: float = Field(
+        default=0.5,
+        gt=0,
+        le=10,
+        description="how far the outside of a web may stretch; it is made long enough",
+    )
 
 
 @dataclass(frozen=True)
@@ -41,64 +47,64 @@ class Webs:
 
     Attributes
     ----------
-    prisms : one for each web; its corners are those on the first panel's side, from the end of the
-        crease to its start, then those on the second panel's side.
+    bodies : one for each web, from panel to panel.
     creases : the edge of each web, shape (n,).
-    sides : the side (as numbered in `Panels.creases`) that the web touches on its first and second
-        panel, shape (n, 2).
+    ends : shape (n, 2), from where to where it runs, mm along its crease.
+    heights_mm : bottom and top of all webs, over the axes.
     """
 
-    prisms: Prisms
+    bodies: Bodies
     creases: IntArray
-    sides: IntArray
+    ends: FloatArray
+    heights_mm: tuple[float, float]
+
+
+def web_setbacks(pattern: CreasePattern, settings: HingeSettings) -> FloatArray:
+    """Setback that the web of each crease needs, mm, shape (ne,).
+
+    A web of thickness w and length 2 s bent by rho stretches its outside by w rho / (4 s).
+    """
+    rho = np.abs(np.radians(pattern.edges_foldAngle))
+    return np.asarray(settings.web_mm * rho / (4 * settings.strain_max))
 
 
 def make_webs(
-    pattern: CreasePattern, panels: Panels, settings: HingeSettings
+    pattern: CreasePattern, panels: Panels, settings: HingeSettings, overlap_mm: float = 0.0
 ) -> tuple[Webs, list[Finding]]:
-    """One web for each crease that has panels on both sides and room between their corners."""
-    first, second = _crease_sides(pattern, panels)
+    """One web for each crease that has panels on both sides and room between their corners.
+
+    overlap_mm : how far webs reach into their panels, for joining them to one body.
+    """
+    low_mm, high_mm = panels.heights_mm
+    below = float(np.clip(-settings.web_mm / 2, low_mm, high_mm - settings.web_mm))
+    heights = below, below + settings.web_mm
+    levels = np.array([below, 0.0, heights[1]]) if below < 0 < heights[1] else np.array(heights)
+    first, second = crease_sides(pattern, panels)
     creases = np.flatnonzero((first >= 0) & (second >= 0))
-    sides = np.column_stack([first[creases], second[creases]])
     ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
     u = ends[:, 1] - ends[:, 0]
-    u /= np.hypot(u[:, 0], u[:, 1])[:, None]
+    length = np.hypot(*u.T)
+    u /= length[:, None]
     normal = np.column_stack([-u[:, 1], u[:, 0]])
-    share = settings.web_mm / panels.prisms.heights_mm[0] if len(panels.prisms) else 0.0
-    following = next_corner(panels.prisms.offsets)
-    low = np.zeros(len(creases))  # webs stay between the ends of their crease
-    high = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
-    setbacks = []
-    for column in (0, 1):
-        corner = sides[:, column]
-        for height in (0.0, share):
-            ring = (1 - height) * panels.prisms.bottom + height * panels.prisms.top
-            arms = ring[corner] - ends[:, 0], ring[following[corner]] - ends[:, 0]
-            along = [(arm * u).sum(axis=1) for arm in arms]
-            low = np.maximum(low, np.minimum(*along))
-            high = np.minimum(high, np.maximum(*along))
-            setbacks.append((arms[0] * normal).sum(axis=1))
+    low, high = np.zeros(len(creases)), length.copy()  # webs stay between the ends of their crease
+    for z in levels.tolist():
+        # the first face runs along its crease, the second one against it
+        start, end = spans(panels.sides, panels.setbacks, z, first[creases])
+        low, high = np.maximum(low, start), np.minimum(high, end)
+        start, end = spans(panels.sides, panels.setbacks, z, second[creases])
+        low, high = np.maximum(low, length - end), np.minimum(high, length - start)
     low, high = low + settings.relief_mm, high - settings.relief_mm
     fits = high - low >= settings.web_mm
     findings = _missing(creases[~fits])
-    creases, sides, origin = creases[fits], sides[fits], ends[fits, 0]
-    u, normal, low, high = u[fits], normal[fits], low[fits], high[fits]
-
-    def ring_at(one: FloatArray, two: FloatArray) -> FloatArray:
-        at = np.stack([high, low, low, high], axis=1)
-        off = np.stack([one, one, two, two], axis=1)
-        points = origin[:, None] + at[..., None] * u[:, None] + off[..., None] * normal[:, None]
-        flat: FloatArray = points.reshape(-1, 2)
-        return flat
-
-    below_first, above_first, below_second, above_second = (s[fits] for s in setbacks)
-    prisms = Prisms(
-        np.arange(len(creases) + 1) * 4,
-        ring_at(below_first, below_second),
-        ring_at(above_first, above_second),
-        np.full(len(creases), settings.web_mm),
+    creases, origin, u, normal, low, high = (
+        a[fits] for a in (creases, ends[:, 0], u, normal, low, high)
     )
-    return Webs(prisms, creases, sides), findings
+    off = np.stack([panels.setbacks.at(z)[creases] for z in levels.tolist()], axis=1) + overlap_mm
+    along = np.stack([high, low, low, high], axis=1)[:, :, None, None] * u[:, None, None]
+    across = np.stack([off, off, -off, -off], axis=1)[..., None] * normal[:, None, None]
+    rings = (origin[:, None, None] + along + across).reshape(-1, len(levels), 2)
+    bodies = stacked(rings, np.arange(len(creases) + 1) * 4, levels)
+    return Webs(bodies, creases, np.column_stack([low, high]), heights), findings
 
 
 def _missing(creases: IntArray) -> list[Finding]:
@@ -115,14 +121,24 @@ def _missing(creases: IntArray) -> list[Finding]:
     ]
 
 
-def _crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntArray]:
-    """For every edge the side of its first and of its second panel; -1 where there is none."""
+def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntArray]:
+    """For every crease its side in the first and in the second face; -1 where no panel stands.
+
+    Cuts (C) are no creases.
+    """
     first = np.full(len(pattern.edges_vertices), -1)
     second = np.full(len(pattern.edges_vertices), -1)
-    owner = np.repeat(panels.faces, np.diff(panels.prisms.offsets))
-    side = np.flatnonzero(panels.creases >= 0)
-    edge = panels.creases[side]
-    is_first = pattern.edges_faces[edge, 0] == owner[side]
-    first[edge[is_first]] = side[is_first]
-    second[edge[~is_first]] = side[~is_first]
+    standing = np.zeros(pattern.face_count, bool)
+    standing[panels.faces] = True
+    edge, face = panels.sides.edges, panels.sides.faces
+    joined = (
+        (pattern.edges_faces[edge, 1] >= 0)
+        & (pattern.edges_assignment[edge] != "C")
+        & (pattern.edges_faces[edge, 0] != pattern.edges_faces[edge, 1])
+        & standing[face]
+    )
+    side = np.flatnonzero(joined)
+    is_first = pattern.edges_faces[edge[side], 0] == face[side]
+    first[edge[side[is_first]]] = side[is_first]
+    second[edge[side[~is_first]]] = side[~is_first]
     return first, second

@@ -12,12 +12,13 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fab.bodies import TriangleMesh, prism_meshes
+from fab.bodies import Bodies, TriangleMesh
 from fab.crease import CreasePattern, fold_angles_deg
 from fab.errors import Finding, Severity
-from fab.hinges import Webs
+from fab.hinges import crease_sides
+from fab.joining import manifold_of, manifolds
 from fab.kinematics import vertices_closure_rad
-from fab.panels import Panels, Prisms
+from fab.thick import ThickSheet
 from solver.measure import angle_excess, isometry, planarity
 from solver.vectors import IntArray
 
@@ -194,28 +195,21 @@ class SolidFigures:
 
 
 def inspect_solids(
-    pattern: CreasePattern, panels: Panels, webs: Webs, joined: TriangleMesh, gap_mm: float
+    sheet: ThickSheet, joined: TriangleMesh, gap_mm: float
 ) -> tuple[SolidFigures, list[Finding]]:
     """Check every solid and every neighbouring pair with manifold3d, in the flat state.
 
     Neighbours are all pairs whose boxes come within the gap of each other: panels across a crease
     and around a vertex, webs and the panels they join.
     """
-    from manifold3d import Error, Manifold, Mesh64
-
-    def manifold(mesh: TriangleMesh) -> Manifold:
-        return Manifold(Mesh64(mesh.vertices_coords, mesh.triangles.astype(np.uint64)))
+    from manifold3d import Error
 
     findings: list[Finding] = []
-    volumes = np.concatenate([panels.prisms.volumes_mm3(), webs.prisms.volumes_mm3()])
-    solids = [manifold(m) for m in [*prism_meshes(panels.prisms), *prism_meshes(webs.prisms)]]
-    count = len(panels.prisms)
-
-    def name(body: int) -> str:
-        if body < count:
-            return f"panel {panels.faces[body]}"
-        return f"hinge {webs.creases[body - count]}"
-
+    volumes = sheet.bodies.volumes_mm3()
+    solids = manifolds(sheet.bodies)
+    names = [name.replace("_", " ") for name in sheet.names]
+    panels = sheet.panels
+    count = len(panels.bodies)
     for body, solid in enumerate(solids):
         # NoError speaks of topology alone: the volume must be right as well
         wrong = abs(solid.volume() - volumes[body]) > 1e-9 * volumes[body] or volumes[body] <= 0
@@ -224,29 +218,29 @@ def inspect_solids(
                 Finding(
                     "solid-invalid",
                     Severity.ERROR,
-                    f"{name(body)} is not a valid solid: {solid.status().name}, volume "
+                    f"{names[body]} is not a valid solid: {solid.status().name}, volume "
                     f"{solid.volume():.6g} of {volumes[body]:.6g} mm3. Report this with the job.",
-                    creases=() if body < count else (int(webs.creases[body - count]),),
-                    panels=(int(panels.faces[body]),) if body < count else (),
+                    creases=() if body < count else (int(sheet.creases[body]),),
+                    panels=(int(sheet.faces[body]),) if body < count else (),
                 )
             )
     overlap_max, clearance = 0.0, np.inf
-    joined_faces = {(min(pair), max(pair)) for pair in pattern.edges_faces.tolist()}
-    pairs = _near_pairs([panels.prisms, webs.prisms], gap_mm)
+    joined_faces = {(min(pair), max(pair)) for pair in sheet.pattern.edges_faces.tolist()}
+    pairs = _near_pairs(sheet.bodies, gap_mm)
     for one, two in pairs.tolist():
         common = (solids[one] ^ solids[two]).volume()
         overlap_max = max(overlap_max, common)
         both_panels = two < count
         gap = solids[one].min_gap(solids[two], 2 * gap_mm) if both_panels else np.inf
         clearance = min(clearance, gap)
-        named = tuple(int(panels.faces[body]) for body in (one, two) if body < count)
+        named = tuple(int(sheet.faces[body]) for body in (one, two) if body < count)
         if common > _OVERLAP_MM3:
             findings.append(
                 Finding(
                     "solids-overlap",
                     Severity.ERROR,
-                    f"{name(one)} and {name(two)} share {common:.3g} mm3. The flat sheet overlaps "
-                    "itself, or its faces are too thin for their gaps.",
+                    f"{names[one]} and {names[two]} share {common:.3g} mm3. The flat sheet "
+                    "overlaps itself, or its faces are too thin for their gaps.",
                     panels=named,
                 )
             )
@@ -258,12 +252,12 @@ def inspect_solids(
                 Finding(
                     "clearance-too-small",
                     Severity.ERROR if promised else Severity.WARNING,
-                    f"{name(one)} and {name(two)} are {gap:.4g} mm apart, gaps are {gap_mm:g} mm. "
-                    "Raise gap_mm, or enlarge the sheet.",
+                    f"{names[one]} and {names[two]} are {gap:.4g} mm apart, gaps are "
+                    f"{gap_mm:g} mm. Raise gap_mm, or enlarge the sheet.",
                     panels=named,
                 )
             )
-    bodies = _body_count(panels, webs)
+    bodies = _body_count(sheet)
     if bodies > 1:
         findings.append(
             Finding(
@@ -273,7 +267,7 @@ def inspect_solids(
                 "Lower gap_mm or relief_mm, or enlarge the sheet.",
             )
         )
-    whole = manifold(joined)
+    whole = manifold_of(joined)
     total = float(volumes.sum())
     if whole.status() != Error.NoError or abs(whole.volume() - total) > 1e-9 * total:
         findings.append(
@@ -286,62 +280,35 @@ def inspect_solids(
         )
     figures = SolidFigures(
         count,
-        len(webs.prisms),
+        len(sheet.bodies) - count,
         bodies,
         total,
         len(pairs),
         float(overlap_max),
         float(min(clearance, 2 * gap_mm)),
     )
-    return figures, findings + _fold_limits(pattern, panels, gap_mm)
+    return figures, findings
 
 
-def _near_pairs(groups: list[Prisms], reach_mm: float) -> IntArray:
-    """Pairs (i < j) of prisms whose boxes come within `reach_mm` of each other, shape (n, 2)."""
-    boxes = []
-    for prisms in groups:
-        if len(prisms):
-            ring = np.concatenate([prisms.bottom, prisms.top], axis=1)
-            low = np.minimum.reduceat(ring, prisms.offsets[:-1]) - reach_mm / 2
-            high = np.maximum.reduceat(ring, prisms.offsets[:-1]) + reach_mm / 2
-            x0, y0 = np.minimum(low[:, 0], low[:, 2]), np.minimum(low[:, 1], low[:, 3])
-            x1, y1 = np.maximum(high[:, 0], high[:, 2]), np.maximum(high[:, 1], high[:, 3])
-            boxes.append(shapely.box(x0, y0, x1, y1))
-    shapes = np.concatenate(boxes) if boxes else np.empty(0, object)
+def _near_pairs(bodies: Bodies, reach_mm: float) -> IntArray:
+    """Pairs (i < j) of bodies whose boxes come within `reach_mm` of each other, shape (n, 2)."""
+    if not len(bodies):
+        return np.empty((0, 2), np.int64)
+    low, high = bodies.boxes()
+    low, high = low - reach_mm / 2, high + reach_mm / 2
+    shapes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     one, two = shapely.STRtree(shapes).query(shapes, predicate="intersects")
     keep = one < two
     order = np.lexsort((two[keep], one[keep]))
     return np.column_stack([one[keep], two[keep]])[order]
 
 
-def _body_count(panels: Panels, webs: Webs) -> int:
-    owner = np.repeat(np.arange(len(panels.prisms)), np.diff(panels.prisms.offsets))
-    one, two = owner[webs.sides].T if len(webs.sides) else (np.empty(0, int), np.empty(0, int))
-    size = len(panels.prisms)
+def _body_count(sheet: ThickSheet) -> int:
+    panels = sheet.panels
+    first, second = crease_sides(sheet.pattern, panels)
+    hinges = sheet.creases[sheet.creases >= 0]
+    place = np.searchsorted(panels.faces, panels.sides.faces)
+    one, two = place[first[hinges]], place[second[hinges]]
+    size = len(panels.bodies)
     graph = coo_array((np.ones(len(one)), (one, two)), shape=(size, size))
     return int(connected_components(graph, directed=False)[0]) if size else 0
-
-
-def _fold_limits(pattern: CreasePattern, panels: Panels, gap_mm: float) -> list[Finding]:
-    """Valleys whose vertical panel walls meet before the target: 2 t tan(angle / 2) > gap."""
-    if not len(panels.prisms):
-        return []
-    thickness = float(panels.prisms.heights_mm.max())
-    reach_deg = float(np.degrees(2 * np.arctan(gap_mm / (2 * thickness))))
-    standing = np.zeros(pattern.face_count + 1, bool)  # the last entry stands for no face
-    standing[panels.faces] = True
-    between = standing[pattern.edges_faces].all(axis=1)
-    blocked = np.flatnonzero(between & (pattern.edges_foldAngle > reach_deg))
-    if not len(blocked):
-        return []
-    most = pattern.edges_foldAngle[blocked].max()
-    return [
-        Finding(
-            "fold-blocked",
-            Severity.WARNING,
-            f"{len(blocked)} valleys should fold by up to {most:.1f} degrees, but panels "
-            f"{thickness:g} mm thick with gaps of {gap_mm:g} mm meet at {reach_deg:.1f} degrees. "
-            "Lower thickness_mm or raise gap_mm.",
-            creases=tuple(blocked[:20].tolist()),
-        )
-    ]

@@ -31,11 +31,10 @@ from fab.crossing import crossing_faces
 from fab.development import Development, develop
 from fab.errors import Finding, InvalidJob, Severity
 from fab.fold_file import fold_bytes
-from fab.hinges import make_webs
 from fab.inspection import inspect_accuracy, inspect_crossings, inspect_solids, measure_pattern
 from fab.job import Job, design_key
-from fab.panels import make_panels
 from fab.perforation import perforate
+from fab.thick import thicken
 from solver import DESIGNS, Growth, InvalidValue, Status
 
 __all__ = [
@@ -254,31 +253,32 @@ def _solid_files(
     boxes: dict[str, list[float]],
     clock: _Clock,
 ) -> dict[str, Any] | None:
-    from fab.bodies import joined_mesh
-    from fab.solid import step_bytes, stl_bytes, threemf_bytes
+    from fab.joining import joined_mesh
+    from fab.step import step_bytes
+    from fab.stl import inspect_stl, stl_bytes
+    from fab.threemf import sheet_parts, threemf_bytes
 
     with clock.stage("panels"):
-        panels, missing = make_panels(pattern, job.panels)
-        webs, open_creases = make_webs(pattern, panels, job.hinges)
-    findings += missing + open_creases
-    if not len(panels.prisms):
+        sheet, missing = thicken(pattern, job.panels, job.hinges)
+    findings += missing
+    if not len(sheet.bodies):
         return None
     with clock.stage("join"):
-        joined = joined_mesh(panels, webs)
+        joined = joined_mesh(sheet.joining)
         boxes["print"] = _box(joined.vertices_coords)
     with clock.stage("inspect"):
-        figures, wrong = inspect_solids(pattern, panels, webs, joined, job.panels.gap_mm)
+        figures, wrong = inspect_solids(sheet, joined, job.panels.gap_mm)
         findings += wrong
     if Format.STEP in wanted:
         with clock.stage("step"):
-            letters = pattern.edges_assignment.tolist()
-            files[f"{job.name}.step"] = step_bytes(panels, webs, letters, job.name)
+            files[f"{job.name}.step"] = step_bytes(sheet, job.name)
     if Format.STL in wanted:
         with clock.stage("stl"):
             files[f"{job.name}.stl"] = stl_bytes(joined)
+            findings += inspect_stl(joined)
     if Format.THREEMF in wanted:
         with clock.stage("3mf"):
-            files[f"{job.name}.3mf"] = threemf_bytes(joined, job.name)
+            files[f"{job.name}.3mf"] = threemf_bytes(sheet_parts(sheet), job.name)
     return dataclasses.asdict(figures)
 
 

@@ -1,72 +1,90 @@
 """Which solid stands on each face of the sheet, set back from its creases?
 
-Every panel is a prism between two rings of corners, the bottom one on z = 0 with the crease axes
-and the top one at the sheet's thickness. A side on a crease is set back, one on the outline is not:
+Every panel lies between two heights and stays behind all setbacks of its sides (`fab.setbacks`).
+Axes x of the creases lie at z = 0; a panel on its axis is cut straight at a mountain and bevelled
+at a valley, one with the axis in its middle is bevelled on the side that closes:
 
-        gap
-      |<--->|
-    +-+     +-----+   top ring, z = thickness
-    | |     |     |
-    +-+--x--+-----+   bottom ring, z = 0, with the crease's axis x
+    +-+      +-----+ top            +-+      +----+ top
+    | |     /      |                | |     /     |
+    | |    /       |                | +  x +      |  z = 0
+    +-+-x-+--------+ bottom, z = 0  |/     |      |
+                                    +      +------+ bottom
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from pydantic import Field
+import shapely
+from pydantic import Field, model_validator
 
+from fab.bodies import Bodies, TriangleMesh, bodies_of, stacked
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.polygons import are_convex, next_corner, ring_areas
+from fab.polygons import are_convex, next_corner
+from fab.setbacks import Setbacks, Sides, sides_of
 from fab.settings import Settings
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["PanelSettings", "Panels", "Prisms", "make_panels"]
+__all__ = ["PanelSettings", "Panels", "inset", "make_panels", "spans"]
 
 # A side of a panel that is shorter than this after its setbacks is none.
-_SHORTEST_SIDE_MM = 0.05
+SHORTEST_SIDE_MM = 0.05
 
 
 class PanelSettings(Settings):
-    """Thickness of the panels and the gap between them."""
+    """Thickness of the panels, where the axes of their hinges lie, and the gaps between them."""
 
     thickness_mm: float = Field(default=1.6, ge=0.01, le=1000, description="height of the panels")
+    axis: Literal["bottom", "middle", "offset"] = Field(
+        default="bottom", description="where the axes of all hinges lie in the panels"
+    )
+    axis_mm: float | None = Field(
+        default=None,
+        ge=-1000,
+        le=1000,
+        description="height of the axes over the bottom of the panels, for axis = offset; "
+        "negative below it",
+    )
     gap_mm: float = Field(
-        default=1.0, ge=0.01, le=1000, description="between two panels, across their crease"
+        default=1.0,
+        ge=0.01,
+        le=1000,
+        description="least gap between two panels, across their crease, when flat",
+    )
+    clearance_mm: float = Field(
+        default=0.1,
+        ge=0,
+        le=1000,
+        description="least distance of two panels at the target, across their crease",
+    )
+    fold_limit_deg: float = Field(
+        default=180.0,
+        gt=0,
+        le=180,
+        description="creases that should fold further get panels that fold as far as this",
     )
 
+    @model_validator(mode="after")
+    def _offset(self) -> PanelSettings:
+        if (self.axis == "offset") != (self.axis_mm is not None):
+            raise ValueError(
+                f"axis = {self.axis} and axis_mm = {self.axis_mm}: give axis_mm with "
+                "axis = offset, and only then"
+            )
+        if self.axis_mm is not None and self.axis_mm > self.thickness_mm:
+            raise ValueError(
+                f"axis_mm = {self.axis_mm:g} must be at most thickness_mm = {self.thickness_mm:g}"
+            )
+        return self
 
-@dataclass(frozen=True)
-class Prisms:
-    """Solids between a bottom ring on z = 0 and a top ring at a height, sides planar.
-
-    Attributes
-    ----------
-    offsets : prism i has the corners offsets[i]:offsets[i + 1], counterclockwise; shape (n + 1,).
-    bottom, top : corners, mm, shape (total, 2).
-    heights_mm : shape (n,).
-    """
-
-    offsets: IntArray
-    bottom: FloatArray
-    top: FloatArray
-    heights_mm: FloatArray
-
-    def __len__(self) -> int:
-        return len(self.heights_mm)
-
-    def ring(self, i: int) -> slice:
-        """Corners of prism i."""
-        return slice(int(self.offsets[i]), int(self.offsets[i + 1]))
-
-    def volumes_mm3(self) -> FloatArray:
-        """Exact volumes h (A_bottom + 4 A_middle + A_top) / 6 (prismatoid formula)."""
-        rings = (self.bottom, (self.bottom + self.top) / 2, self.top)
-        low, middle, high = (ring_areas(ring, self.offsets) for ring in rings)
-        out: FloatArray = self.heights_mm * (low + 4 * middle + high) / 6
-        return out
+    @property
+    def heights_mm(self) -> tuple[float, float]:
+        """Bottom and top of the panels over the axes of their hinges."""
+        axis = {"bottom": 0.0, "middle": self.thickness_mm / 2}.get(self.axis, self.axis_mm or 0.0)
+        return -axis, self.thickness_mm - axis
 
 
 @dataclass(frozen=True)
@@ -75,65 +93,68 @@ class Panels:
 
     Attributes
     ----------
-    prisms : one for each panel.
-    faces : the face of each panel, shape (n,); creases : the edge under each side, -1 on the
-        outline, shape (total,): side j runs from corner j to the next.
+    bodies : one for each panel, with the axes of the creases at z = 0.
+    faces : the face of each panel, rising, shape (n,).
+    heights_mm : bottom and top of all panels.
+    sides, setbacks : of all faces, also of those without a panel.
     """
 
-    prisms: Prisms
+    bodies: Bodies
     faces: IntArray
-    creases: IntArray
+    heights_mm: tuple[float, float]
+    sides: Sides
+    setbacks: Setbacks
 
 
-def make_panels(pattern: CreasePattern, settings: PanelSettings) -> tuple[Panels, list[Finding]]:
-    """One panel for each face; faces that lose a side to their gaps are left out, and named."""
-    corners, offsets = pattern.faces_vertices, pattern.faces_offsets
-    following = next_corner(offsets)
-    creases = _side_edges(pattern, corners, corners[following])
-    on_crease = pattern.edges_faces[creases, 1] >= 0
-    setback = np.where(on_crease, settings.gap_mm / 2, 0.0)
-    start = pattern.vertices_coords[corners]
-    ring, kept = inset(start, offsets, setback)
-    bent = (np.diff(offsets) > 4) & ~are_convex(start, offsets)
-    findings = []
-    for faces, code, why in (
-        (
-            np.flatnonzero(~kept & ~bent),
-            "panel-vanishes",
-            f"lose a side to gaps of {settings.gap_mm:g} mm on their creases and have no panel. "
-            "Lower gap_mm or enlarge the sheet.",
-        ),
-        (
-            np.flatnonzero(bent),
-            "panel-not-convex",
-            "have more than 4 sides and are not convex; they have no panel. Split them by creases.",
-        ),
-    ):
-        if len(faces):
-            text = f"{len(faces)} faces {why}"
-            named = tuple(faces[:20].tolist())
-            findings.append(Finding(code, Severity.ERROR, text, panels=named))
-    kept &= ~bent
-    chosen = np.repeat(kept, np.diff(offsets))
-    sizes = np.diff(offsets)[kept]
-    prisms = Prisms(
-        np.concatenate([[0], np.cumsum(sizes)]),
-        ring[chosen],
-        ring[chosen],
-        np.full(int(kept.sum()), settings.thickness_mm),
-    )
-    labels = np.where(on_crease, creases, -1)[chosen]
-    return Panels(prisms, np.flatnonzero(kept), labels), findings
+def make_panels(
+    pattern: CreasePattern, heights_mm: tuple[float, float], back: Setbacks
+) -> tuple[Panels, list[Finding]]:
+    """One panel for each face; faces on which none can stand are left out, and named.
+
+    Where all sides stay, panels are stacked rings. A convex face whose sides do not all stay is cut
+    by the planes of all its setbacks.
+    """
+    sides = sides_of(pattern)
+    offsets = sides.offsets
+    low, high = heights_mm
+    levels = np.array([low, 0.0, high]) if low < 0 < high else np.array([low, high])
+    rings, whole = _rings(sides, back, levels)
+    convex = are_convex(sides.start, offsets)
+    for face in np.flatnonzero(whole & ~convex & (np.diff(offsets) > 4)).tolist():
+        ends = rings[offsets[face] : offsets[face + 1]]
+        whole[face] = all(shapely.Polygon(ends[:, k]).is_valid for k in range(len(levels)))
+    easy = np.flatnonzero(whole)
+    chosen = np.repeat(whole, np.diff(offsets))
+    sizes = np.diff(offsets)[whole]
+    simple = stacked(rings[chosen], np.concatenate([[0], np.cumsum(sizes)]), levels)
+    meshes, cut, shed = [], [], []
+    for face in np.flatnonzero(~whole & convex).tolist():
+        made = _cut(sides, back, heights_mm, face)
+        if made is not None:
+            meshes.append(made)
+            cut.append(face)
+            shed += _lost(sides, back, heights_mm, face)
+    faces = np.concatenate([easy, np.array(cut, np.int64)])
+    bodies = simple
+    if cut:
+        order = np.argsort(faces)
+        bodies = bodies_of([*(simple.mesh(i) for i in range(len(simple))), *meshes]).chosen(order)
+        faces = faces[order]
+    standing = np.zeros(len(offsets) - 1, bool)
+    standing[faces] = True
+    findings = _findings(np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64)))
+    return Panels(bodies, faces, heights_mm, sides, back), findings
 
 
-def _side_edges(pattern: CreasePattern, start: IntArray, end: IntArray) -> IntArray:
-    """The edge between each pair of vertices."""
-    count = len(pattern.vertices_coords)
-    low, high = pattern.edges_vertices.min(axis=1), pattern.edges_vertices.max(axis=1)
-    order = np.argsort(low * count + high)
-    wanted = np.minimum(start, end) * count + np.maximum(start, end)
-    out: IntArray = order[np.searchsorted((low * count + high)[order], wanted)]
-    return out
+def _rings(sides: Sides, back: Setbacks, levels: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Corners of all faces at all levels, (total, k, 2), and which faces keep all their sides."""
+    kept = np.ones(len(sides.offsets) - 1, bool)
+    rings = []
+    for z in levels.tolist():
+        ring, fine = inset(sides.start, sides.offsets, back.at(z)[sides.edges])
+        rings.append(ring)
+        kept &= fine
+    return np.stack(rings, axis=1), kept
 
 
 def inset(
@@ -143,7 +164,7 @@ def inset(
 
     corners : counterclockwise rings, shape (total, 2); setback : of the side from each corner to
     the next, shape (total,). Returns the new corners, and which polygons keep all their sides in
-    direction, each at least `_SHORTEST_SIDE_MM` long, shape (n,).
+    direction, each at least `SHORTEST_SIDE_MM` long, shape (n,).
 
     With unit directions d1, d2 of the sides before and after a corner and their setbacks s1, s2,
     the corner moves by (s1 d2 - s2 d1) / (d1 x d2).
@@ -151,7 +172,7 @@ def inset(
     following = next_corner(offsets)
     side = corners[following] - corners
     length = np.hypot(side[:, 0], side[:, 1])
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         after = side / length[:, None]
         before = np.empty_like(after)
         before[following] = after
@@ -160,12 +181,162 @@ def inset(
         s1[following] = s2
         sine = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         move = (s1[:, None] * after - s2[:, None] * before) / sine[:, None]
-    # straight corners: both sides move alike, or there is no corner to move to
-    straight = (np.abs(sine) < 1e-9) & (s1 == s2)
-    move[straight] = (s2[:, None] * np.column_stack([-after[:, 1], after[:, 0]]))[straight]
-    moved = corners + move
-    with np.errstate(invalid="ignore"):
+        # straight corners: both sides move alike, or there is no corner to move to
+        straight = (np.abs(sine) < 1e-9) & (s1 == s2)
+        move[straight] = (s2[:, None] * np.column_stack([-after[:, 1], after[:, 0]]))[straight]
+        moved = corners + move
         along = ((moved[following] - moved) * after).sum(axis=1)
-        fine = np.isfinite(along) & (along >= np.minimum(_SHORTEST_SIDE_MM, length / 2))
+        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2))
     kept = np.logical_and.reduceat(fine, offsets[:-1])
     return moved, kept
+
+
+def _planes(
+    sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: int
+) -> tuple[FloatArray, FloatArray]:
+    """Planes that bound a panel, n . x >= d: normals (k, 3), not of length 1, and d (k,).
+
+    First the bottom and the top, then for each side the one below its axis and the one above.
+    """
+    rows = slice(sides.offsets[face], sides.offsets[face + 1])
+    inward, edges = sides.inward[rows], sides.edges[rows]
+    distance = (inward * sides.start[rows]).sum(axis=1) + back.axis_mm[edges]
+    normals = [np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])]
+    offsets = [heights_mm[0], -heights_mm[1]]
+    for n, edge, d in zip(inward, edges.tolist(), distance.tolist(), strict=True):
+        normals += [np.array([*n, back.below[edge]]), np.array([*n, -back.above[edge]])]
+        offsets += [d, d]
+    return np.array(normals), np.array(offsets)
+
+
+def _cut(
+    sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: int
+) -> TriangleMesh | None:
+    """A convex face's panel, cut by all its planes; None where none is left at both heights."""
+    from manifold3d import Manifold, Mesh64
+
+    normals, distance = _planes(sides, back, heights_mm, face)
+    if not np.isfinite(normals).all() or not np.isfinite(distance).all():
+        return None
+    if not all(_room(sides, back, z, face) for z in heights_mm):
+        return None
+    rows = slice(sides.offsets[face], sides.offsets[face + 1])
+    corners = sides.start[rows]
+    prism = stacked(
+        np.stack([corners, corners], axis=1),
+        np.array([0, len(corners)]),
+        np.array(heights_mm),
+    ).mesh(0)
+    solid = Manifold(Mesh64(prism.vertices_coords, prism.triangles.astype(np.uint64)))
+    for normal, d in zip(normals[2:], distance[2:].tolist(), strict=True):
+        length = float(np.hypot(np.hypot(*normal[:2]), normal[2]))
+        solid = solid.trim_by_plane(tuple((normal / length).tolist()), d / length)
+    if solid.is_empty() or solid.num_tri() == 0:
+        return None
+    mesh = solid.to_mesh64()
+    coords = np.asarray(mesh.vert_properties[:, :3], np.float64)
+    triangles = np.asarray(mesh.tri_verts, np.int64)
+    size = np.hypot(np.hypot(normals[:, 0], normals[:, 1]), normals[:, 2])
+    off = np.abs((coords @ normals.T - distance) / size)
+    return TriangleMesh(coords, triangles, off[triangles].max(axis=1).argmin(axis=1))
+
+
+def _room(sides: Sides, back: Setbacks, z: float, face: int) -> bool:
+    """Whether the section at a height is wider than the shortest side, by a linear program."""
+    from scipy.optimize import linprog
+
+    rows = slice(sides.offsets[face], sides.offsets[face + 1])
+    inward = sides.inward[rows]
+    middle = sides.start[rows].mean(axis=0)
+    far = (inward * (sides.start[rows] - middle)).sum(axis=1) + back.at(z)[sides.edges[rows]]
+    # the widest circle: centre (x, y) and radius r with n . x - r >= far
+    found = linprog(
+        [0.0, 0.0, -1.0],
+        np.column_stack([-inward, np.ones(len(inward))]),
+        -far,
+        bounds=[(None, None), (None, None), (None, None)],
+    )
+    return bool(found.status == 0 and found.x[2] >= SHORTEST_SIDE_MM / 2)
+
+
+def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: int) -> list[int]:
+    """Edges under sides of a face that do not reach the axis height of its panel, or its end."""
+    z = float(np.clip(0.0, *heights_mm))
+    rows = np.arange(sides.offsets[face], sides.offsets[face + 1])
+    low, high = spans(sides, back, z, rows)
+    lost: list[int] = sides.edges[rows[high - low < SHORTEST_SIDE_MM]].tolist()
+    return lost
+
+
+def spans(
+    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """From where to where each of some sides runs at a height, in mm from its start, shape (k,).
+
+    The side, moved inwards by its setback, ends where the next one crosses it; in convex faces
+    any other may. The start comes after the end where nothing is left of it.
+    """
+    offsets = sides.offsets
+    convex = are_convex(sides.start, offsets)
+    back_mm = back.at(z_mm)[sides.edges]
+    face = sides.faces[rows]
+    low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
+    sizes = np.diff(offsets)[face]
+    for step in range(1, int(sizes.max(initial=1))):
+        active = step < sizes
+        # of a face that is not convex the two neighbours alone
+        active &= convex[face] | (step == 1) | (step == sizes - 1)
+        me = rows[active]
+        other = offsets[face[active]] + (me - offsets[face[active]] + step) % sizes[active]
+        point = sides.start[me] + back_mm[me, None] * sides.inward[me]
+        slope = (sides.along[me] * sides.inward[other]).sum(axis=1)
+        gap = ((sides.start[other] - point) * sides.inward[other]).sum(axis=1) + back_mm[other]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = gap / slope  # where slope * t >= gap
+        parallel = np.abs(slope) < 1e-9
+        shut = parallel & (gap > 1e-9)
+        if not convex.all():
+            reflex = ~convex[face[active]]
+            # beyond a reflex corner the neighbour cuts from the other end
+            first, last = step == 1, step == sizes[active] - 1
+            slope = np.where(reflex, np.where(first, -1.0, np.where(last, 1.0, slope)), slope)
+        t = np.where(parallel, np.nan, t)
+        low[active] = np.fmax(low[active], np.where(shut, np.inf, np.where(slope > 0, t, np.nan)))
+        high[active] = np.fmin(
+            high[active], np.where(shut, -np.inf, np.where(slope < 0, t, np.nan))
+        )
+    length = sides.length_mm[rows]
+    return np.where(np.isinf(low) & (low < 0), 0.0, low), np.where(high == np.inf, length, high)
+
+
+def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Finding]:
+    findings = []
+    for faces, code, why in (
+        (
+            without[convex[without]],
+            "panel-vanishes",
+            "have no panel: the setbacks of their creases leave nothing of them. Lower "
+            "thickness_mm, gap_mm or clearance_mm, or enlarge the sheet.",
+        ),
+        (
+            without[~convex[without]],
+            "panel-not-convex",
+            "are not convex and lose a side, or cross themselves, by the setbacks of their "
+            "creases; they have no panel. Split them by creases, or enlarge the sheet.",
+        ),
+    ):
+        if len(faces):
+            text = f"{len(faces)} faces {why}"
+            named = tuple(faces[:20].tolist())
+            findings.append(Finding(code, Severity.ERROR, text, panels=named))
+    if len(shed):
+        findings.append(
+            Finding(
+                "panel-side-vanishes",
+                Severity.WARNING,
+                f"{len(shed)} edges are so short that a panel beside them loses its side to the "
+                "setbacks of the others.",
+                creases=tuple(shed[:20].tolist()),
+            )
+        )
+    return findings
