@@ -194,8 +194,9 @@ def fabricate(
 ) -> None:
     """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
     with _answers() as interrupts:
+        from fab.crease import scaled
         from fab.drawings import SheetFormat
-        from fab.fabricate import fabricate, left_over, scaled
+        from fab.fabricate import fabricate, left_over
         from fab.make import require_folder, write
         from fab.materials import load_machine, load_material
         from fab.pattern_file import read_pattern

@@ -12,10 +12,10 @@ from fab.errors import Finding
 from fab.hinges import HingeSettings, make_webs, web_setbacks
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
-from fab.setbacks import setbacks
+from fab.setbacks import Setbacks, setbacks
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["ThickSheet", "thicken"]
+__all__ = ["ThickSheet", "heights_and_setbacks", "thicken"]
 
 # Webs reach so far into their panels where both become one body.
 _OVERLAP_MM = 1e-3
@@ -60,10 +60,10 @@ class ThickSheet:
         return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
 
 
-def thicken(
+def heights_and_setbacks(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
-) -> tuple[ThickSheet, list[Finding]]:
-    """Panels and hinges of a pattern, and what is to be told of them."""
+) -> tuple[tuple[float, float], Setbacks]:
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back."""
     heights = panel.heights_mm
     back = setbacks(
         pattern,
@@ -73,6 +73,14 @@ def thicken(
         hinge_mm=web_setbacks(pattern, hinge),
         limit_deg=panel.fold_limit_deg,
     )
+    return heights, back
+
+
+def thicken(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels and hinges of a pattern, and what is to be told of them."""
+    heights, back = heights_and_setbacks(pattern, panel, hinge)
     panels, findings = make_panels(pattern, heights, back)
     webs, missing = make_webs(pattern, panels, hinge)
     reaching, _ = make_webs(pattern, panels, hinge, _OVERLAP_MM)
