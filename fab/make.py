@@ -17,8 +17,7 @@ import math
 import os
 import shutil
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -26,6 +25,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from fab.clock import Clock, Progress, silent
 from fab.crease import CreasePattern, crease_pattern
 from fab.crossing import crossing_faces
 from fab.development import Development, develop
@@ -48,8 +48,6 @@ _CURES = {
     errno.ENOSPC: "Free some space, or choose another --out.",
     errno.EDQUOT: "Free some space, or choose another --out.",
 }
-
-Progress = Callable[[str, int, int], None]
 
 
 class Format(StrEnum):
@@ -78,27 +76,7 @@ class Made:
         return all(finding.severity != Severity.ERROR for finding in self.findings)
 
 
-def _silent(stage: str, done: int, total: int) -> None:
-    del stage, done, total
-
-
-class _Clock:
-    """Seconds per stage, told to `progress` as stages begin."""
-
-    def __init__(self, progress: Progress) -> None:
-        self.progress = progress
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[Callable[[int, int], None]]:
-        begin = time.perf_counter()
-        self.progress(name, 0, 1)
-        yield lambda done, total: self.progress(name, done, total)
-        self.progress(name, 1, 1)
-        self.seconds[name] = round(time.perf_counter() - begin, 4)
-
-
-def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = _silent) -> Made:
+def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = silent) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
 
     formats : those of the job where none are given.
@@ -109,7 +87,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     formats = [Format(name) for name in job.outputs] if formats is None else formats
-    clock = _Clock(progress)
+    clock = Clock(progress)
     findings: list[Finding] = []
     growth, development, pattern = _grown(job, clock)
     findings += [*_growth_findings(growth), *_overlap_findings(development)]
@@ -178,14 +156,14 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
 
 
 def grown_pattern(
-    job: Job, progress: Progress = _silent
+    job: Job, progress: Progress = silent
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
     """The crease pattern of a job, and what is to be told of its growth. Raises as `make`."""
-    growth, _, pattern = _grown(job, _Clock(progress))
+    growth, _, pattern = _grown(job, Clock(progress))
     return pattern, tuple(_growth_findings(growth))
 
 
-def _grown(job: Job, clock: _Clock) -> tuple[Growth, Development, CreasePattern]:
+def _grown(job: Job, clock: Clock) -> tuple[Growth, Development, CreasePattern]:
     with clock.stage("grow") as step, _named(job):
         growth = job.design.design(job.folder).grow(step)
     with clock.stage("develop"), _named(job):
@@ -212,7 +190,7 @@ def _flat_files(
     pattern: CreasePattern,
     wanted: set[Format],
     files: dict[str, bytes],
-    clock: _Clock,
+    clock: Clock,
 ) -> list[Finding]:
     if not wanted & {Format.DXF, Format.SVG}:
         return []
@@ -234,7 +212,7 @@ def _solid_files(
     files: dict[str, bytes],
     findings: list[Finding],
     boxes: dict[str, list[float]],
-    clock: _Clock,
+    clock: Clock,
 ) -> dict[str, Any] | None:
     from fab.joining import joined_mesh
     from fab.solid import step_bytes, stl_bytes, threemf_bytes
