@@ -4,7 +4,7 @@ The flow, and the only place where its branches join:
 
     design -> mesh -> development -> crease pattern -+-> perforation -> DXF, SVG
                                                      +-> FOLD, PNG
-                                                     +-> panels, webs -> STEP, STL, 3MF
+                                                     +-> thick sheet -> STEP, STL, 3MF, PNG
 """
 
 from __future__ import annotations
@@ -31,13 +31,22 @@ from fab.crossing import crossing_faces
 from fab.development import Development, develop
 from fab.errors import Finding, InvalidJob, Severity
 from fab.fold_file import fold_bytes
-from fab.inspection import inspect_accuracy, inspect_crossings, inspect_solids, measure_pattern
+from fab.inspection import inspect_accuracy, inspect_crossings, measure_pattern
 from fab.job import Job, design_key
 from fab.perforation import perforate
-from fab.thick import thicken
 from solver import DESIGNS, Growth, InvalidValue, Status
+from solver.vectors import FloatArray
 
-__all__ = ["Format", "Made", "Progress", "grown_pattern", "make", "require_folder", "write"]
+__all__ = [
+    "Format",
+    "Made",
+    "Progress",
+    "box_mm",
+    "grown_pattern",
+    "make",
+    "require_folder",
+    "write",
+]
 
 # A sheet that covers less of its surface is told of.
 _COVERED = 0.95
@@ -100,9 +109,10 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         findings += inspect_crossings(crossings)
 
     files: dict[str, bytes] = {}
+    assert pattern.folded_coords is not None  # what was grown has its folded form
     boxes = {
-        "flat": _box(pattern.vertices_coords),
-        "folded": _box(pattern.folded_coords),
+        "flat": box_mm(pattern.vertices_coords),
+        "folded": box_mm(pattern.folded_coords),
     }
     wanted = set(formats)
     if Format.FOLD in wanted:
@@ -214,30 +224,18 @@ def _solid_files(
     boxes: dict[str, list[float]],
     clock: Clock,
 ) -> dict[str, Any] | None:
-    from fab.joining import joined_mesh
-    from fab.solid import step_bytes, stl_bytes, threemf_bytes
+    from fab.thick_files import ThickFormat, thick_files
 
-    with clock.stage("panels"):
-        sheet, missing = thicken(pattern, job.panels, job.hinges)
-    findings += missing
-    if not len(sheet.bodies):
+    formats = {kind for kind in ThickFormat if kind.value in set(wanted)}
+    made = thick_files(pattern, job.name, job, formats, clock)
+    findings += made.findings
+    if made.figures is None or made.print_mm is None:
         return None
-    with clock.stage("join"):
-        joined = joined_mesh(sheet.joining)
-        boxes["print"] = _box(joined.vertices_coords)
-    with clock.stage("inspect"):
-        figures, wrong = inspect_solids(sheet, joined, job.panels.gap_mm)
-        findings += wrong
-    if Format.STEP in wanted:
-        with clock.stage("step"):
-            files[f"{job.name}.step"] = step_bytes(sheet, job.name)
-    if Format.STL in wanted:
-        with clock.stage("stl"):
-            files[f"{job.name}.stl"] = stl_bytes(joined)
-    if Format.THREEMF in wanted:
-        with clock.stage("3mf"):
-            files[f"{job.name}.3mf"] = threemf_bytes(joined, job.name)
-    return dataclasses.asdict(figures)
+    boxes["print"] = made.print_mm
+    for kind, data in made.data.items():
+        end = f"_thick.{kind}" if kind == ThickFormat.PNG else f".{kind}"
+        files[job.name + end] = data
+    return dataclasses.asdict(made.figures)
 
 
 def _growth_findings(growth: Growth) -> list[Finding]:
@@ -271,7 +269,8 @@ def _overlap_findings(development: Development) -> list[Finding]:
     ]
 
 
-def _box(coords: Any) -> list[float]:
+def box_mm(coords: FloatArray) -> list[float]:
+    """Sides of the box around points, rounded to 1e-6 mm."""
     return [round(float(side), 6) for side in coords.max(axis=0) - coords.min(axis=0)]
 
 

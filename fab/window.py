@@ -115,7 +115,7 @@ def feasible_window(
 
     given = panel.thickness_mm
     # panels reach up to their axes, and are thicker than their webs
-    least = max(LEAST_THICKNESS_MM, panel.axis_mm or 0.0, hinge.web_mm)
+    least = max(LEAST_THICKNESS_MM, panel.axis_mm or 0.0, hinge.web_mm * (1 + _EXACT))
     return Window(
         pattern.face_count,
         int(standing(given).sum()),

@@ -1,0 +1,149 @@
+"""Which files does a thick sheet become, for printers and CAD programs, and what is told of them?
+
+crease pattern -> panels, hinges -> joined body -> checks -> STEP, STL, 3MF, PNG
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+import numpy as np
+
+from fab.clock import Clock, Progress, silent
+from fab.crease import CreasePattern
+from fab.errors import Finding, Severity
+from fab.inspection import SolidFigures, inspect_solids
+from fab.make import Made, box_mm
+from fab.thick import thicken
+from fab.thick_settings import ThickSettings
+
+__all__ = ["ThickFiles", "ThickFormat", "make_thick", "thick_files"]
+
+
+class ThickFormat(StrEnum):
+    """The kinds of files of a thick sheet, named by their endings."""
+
+    STEP = "step"
+    STL = "stl"
+    THREEMF = "3mf"
+    PNG = "png"
+
+
+@dataclass(frozen=True)
+class ThickFiles:
+    """What a thick sheet became.
+
+    Attributes
+    ----------
+    data : bytes of each format; empty where there is no panel.
+    figures : what the check of the bodies measured; None where there is no panel.
+    print_mm : sides of the joined body's box, flat; None where there is none.
+    findings : of panels, hinges and checks.
+    """
+
+    data: Mapping[ThickFormat, bytes]
+    figures: SolidFigures | None
+    print_mm: list[float] | None
+    findings: tuple[Finding, ...]
+
+
+def thick_files(
+    pattern: CreasePattern,
+    name: str,
+    settings: ThickSettings,
+    formats: Collection[ThickFormat],
+    clock: Clock,
+) -> ThickFiles:
+    """The thick sheet of a crease pattern in each of `formats`, checked.
+
+    name : what files and pictures call it.
+    """
+    from fab.joining import joined_mesh
+    from fab.solid import step_bytes, stl_bytes, threemf_bytes
+
+    with clock.stage("panels"):
+        sheet, found = thicken(pattern, settings.panels, settings.hinges)
+    findings = [*found, *_limited(pattern, settings.panels.fold_limit_deg)]
+    if not len(sheet.bodies):
+        return ThickFiles({}, None, None, tuple(findings))
+    with clock.stage("join"):
+        joined = joined_mesh(sheet.joining)
+    with clock.stage("inspect"):
+        figures, found = inspect_solids(sheet, joined, settings.panels.gap_mm)
+        findings += found
+    data: dict[ThickFormat, bytes] = {}
+    if ThickFormat.STEP in formats:
+        with clock.stage("step"):
+            data[ThickFormat.STEP] = step_bytes(sheet, name)
+    if ThickFormat.STL in formats:
+        with clock.stage("stl"):
+            data[ThickFormat.STL] = stl_bytes(joined)
+    if ThickFormat.THREEMF in formats:
+        with clock.stage("3mf"):
+            data[ThickFormat.THREEMF] = threemf_bytes(joined, name)
+    if ThickFormat.PNG in formats:
+        from fab.thick_picture import thick_png_bytes
+
+        with clock.stage("thick png"):
+            data[ThickFormat.PNG] = thick_png_bytes(sheet, name)
+    return ThickFiles(data, figures, box_mm(joined.vertices_coords), tuple(findings))
+
+
+def make_thick(
+    pattern: CreasePattern,
+    name: str,
+    settings: ThickSettings,
+    *,
+    formats: Sequence[ThickFormat] = tuple(ThickFormat),
+    findings: Sequence[Finding] = (),
+    progress: Progress = silent,
+) -> Made:
+    """Files of any crease pattern as a thick sheet: NAME_thick.step, .stl, .3mf, .png and a report.
+
+    pattern : in millimetres; findings : of its reader, told again in the report, which is the file
+    `name`_thick_report.json. progress : called with (stage, steps done, steps in the stage).
+    """
+    clock = Clock(progress)
+    made = thick_files(pattern, name, settings, formats, clock)
+    told = (*findings, *made.findings)
+    files = {f"{name}_thick.{kind}": data for kind, data in made.data.items()}
+    report: dict[str, Any] = {
+        "name": name,
+        "settings": settings.model_dump(mode="json"),
+        "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
+        "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
+        "solids": None if made.figures is None else dataclasses.asdict(made.figures),
+        "outputs": [
+            {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+            for file, data in files.items()
+        ],
+        "seconds": clock.seconds,
+        "findings": [dataclasses.asdict(finding) for finding in told],
+    }
+    data = json.dumps(report, indent=2, allow_nan=False) + "\n"
+    files[f"{name}_thick_report.json"] = data.encode()
+    return Made(files, report, told)
+
+
+def _limited(pattern: CreasePattern, limit_deg: float) -> list[Finding]:
+    """A finding where panels are made for less than the fold angles of the pattern."""
+    angle = np.abs(pattern.edges_foldAngle)
+    beyond = np.flatnonzero(angle > limit_deg)
+    if not len(beyond):
+        return []
+    return [
+        Finding(
+            "fold-limited",
+            Severity.WARNING,
+            f"{len(beyond)} creases fold by up to {angle.max():.4g} degrees, their panels are made "
+            f"for fold_limit_deg = {limit_deg:g}: the thick sheet folds that far and no further. "
+            "For more, make it thinner or larger (--suggest shows how much), and raise the limit.",
+            creases=tuple(beyond[:20].tolist()),
+        )
+    ]
