@@ -348,14 +348,13 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
     with _answers():
-        from fab.materials import load_machine, load_material
-        from fab.shipped import shipped as known
+        from fab.materials import described
 
-        load = load_material if kind == "materials" else load_machine
-        names = known("materials" if kind == "materials" else "machines")
-        width = max(map(len, names))
-        for name in names:
-            _say(f"{name:<{width}}  {load(name).description}")
+        listed = described("materials" if kind == "materials" else "machines")
+        width = max(map(len, listed))
+        wide = max(len(what) for what, _ in listed.values())
+        for name, (what, description) in listed.items():
+            _say(f"{name:<{width}}  {what:<{wide}}  {description}")
 
 
 @main.command()

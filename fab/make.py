@@ -31,7 +31,7 @@ from fab.crossing import crossing_faces
 from fab.development import Development, develop
 from fab.errors import Finding, InvalidJob, Severity
 from fab.fold_file import fold_bytes
-from fab.inspection import inspect_accuracy, inspect_crossings, inspect_solids, measure_pattern
+from fab.inspection import inspect_accuracy, inspect_crossings, measure_pattern
 from fab.job import Job, design_key
 from fab.perforation import perforate
 from fab.thick import thicken
@@ -236,8 +236,10 @@ def _solid_files(
     boxes: dict[str, list[float]],
     clock: _Clock,
 ) -> dict[str, Any] | None:
+    from fab.clearance import inspect_thick
     from fab.joining import joined_mesh
     from fab.solid import step_bytes, stl_bytes, threemf_bytes
+    from fab.states import flat_panels
 
     with clock.stage("panels"):
         sheet, missing = thicken(pattern, job.panels, job.hinges)
@@ -248,7 +250,12 @@ def _solid_files(
         joined = joined_mesh(sheet.joining)
         boxes["print"] = _box(joined.vertices_coords)
     with clock.stage("inspect"):
-        figures, wrong = inspect_solids(sheet, joined, job.panels.gap_mm)
+        figures, wrong = inspect_thick(
+            sheet,
+            joined,
+            [flat_panels(pattern)],
+            limit_deg=job.panels.fold_limit_deg,
+        )
         findings += wrong
     if Format.STEP in wanted:
         with clock.stage("step"):

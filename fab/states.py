@@ -21,6 +21,9 @@ from solver.vectors import FloatArray, cross, dot, norm, unit
 
 __all__ = ["FoldedState", "Stage", "flat_panels", "folded_states", "panels_at", "posed_bodies"]
 
+# Creases so much softer than faces leave these as good as plane wherever the pattern lets them be.
+_CREASE_STIFFNESS = 0.01
+
 
 class Stage(StrEnum):
     """Which part of the fold a state belongs to."""
@@ -53,8 +56,11 @@ class FoldedState:
     @property
     def name(self) -> str:
         """Such as "flat", "at 40 % of the fold" and "at the target"."""
-        between = f"at {self.share:.0%} of the fold".replace("%", " %")
-        return {Stage.FLAT: "flat", Stage.TARGET: "at the target"}.get(self.stage, between)
+        if self.stage == Stage.FLAT:
+            return "flat"
+        if self.stage == Stage.TARGET and self.share == 1:
+            return "at the target"
+        return f"at {100 * self.share:.0f} % of the fold"
 
 
 def flat_panels(pattern: CreasePattern) -> FoldedState:
@@ -109,7 +115,9 @@ def folded_states(
     states = [flat_panels(pattern)]
     if not (np.abs(pattern.edges_foldAngle) > FLAT_ANGLE_DEG).any():
         return states, []
-    folding, verdict, _ = simulated(pattern, FoldSettings(steps=count + 1), progress=progress)
+    folding, verdict, _ = simulated(
+        pattern, FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS), progress=progress
+    )
     sheet, size_mm = folding.frame.sheet.pattern, folding.frame.size_mm
 
     def add(coords: FloatArray, stage: Stage, share: float) -> None:
