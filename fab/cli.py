@@ -273,6 +273,12 @@ def fabricate(
     metavar="KEY=VALUE",
     help="Such as panels.thickness_mm=1.2 or hinges.web_mm=0.4, as in a job; may be repeated.",
 )
+@click.option(
+    "--printer", default=None, metavar="NAME", help="A shipped one, or a .toml file of your own."
+)
+@click.option(
+    "--material", default=None, metavar="NAME", help="A shipped filament, or a .toml file."
+)
 @_WIDTH
 @_SCALE
 @click.option("--only", default=None, metavar="FORMATS", help="Such as step,stl (default: all).")
@@ -282,6 +288,8 @@ def thicken(
     file: Path,
     out: Path,
     changes: tuple[str, ...],
+    printer: str | None,
+    material: str | None,
     width_mm: float | None,
     scale: float | None,
     only: str | None,
@@ -298,7 +306,8 @@ def thicken(
         from fab.titles import plain_title
 
         formats = _formats(only, ThickFormat) or list(ThickFormat)
-        settings = thick_settings(changes)
+        settings = thick_settings(changes, printer, material)
+        print_with = settings.print_with()
         if not suggest:
             require_folder(out)
         pattern, findings = read_pattern(file)
@@ -310,7 +319,13 @@ def thicken(
         name = plain_title(file.stem)
         with _progress(interrupts) as progress:
             made = make_thick(
-                pattern, name, settings, formats=formats, findings=findings, progress=progress
+                pattern,
+                name,
+                settings,
+                print_with=print_with,
+                formats=formats,
+                findings=findings,
+                progress=progress,
             )
         interrupts.check()
         if not dry_run:
@@ -436,14 +451,13 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
     with _answers():
-        from fab.materials import load_machine, load_material
-        from fab.shipped import shipped as known
+        from fab.materials import described
 
-        load = load_material if kind == "materials" else load_machine
-        names = known("materials" if kind == "materials" else "machines")
-        width = max(map(len, names))
-        for name in names:
-            _say(f"{name:<{width}}  {load(name).description}")
+        listed = described("materials" if kind == "materials" else "machines")
+        width = max(map(len, listed))
+        wide = max(len(what) for what, _ in listed.values())
+        for name, (what, description) in listed.items():
+            _say(f"{name:<{width}}  {what:<{wide}}  {description}")
 
 
 @main.command()

@@ -96,6 +96,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     formats = [Format(name) for name in job.outputs] if formats is None else formats
+    wanted = set(formats)
     clock = Clock(progress)
     findings: list[Finding] = []
     growth, development, pattern = _grown(job, clock)
@@ -114,7 +115,6 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         "flat": box_mm(pattern.vertices_coords),
         "folded": box_mm(pattern.folded_coords),
     }
-    wanted = set(formats)
     if Format.FOLD in wanted:
         with clock.stage("fold"):
             files[f"{job.name}.fold"] = fold_bytes(pattern, job.name)
@@ -227,7 +227,7 @@ def _solid_files(
     from fab.thick_files import ThickFormat, thick_files
 
     formats = {kind for kind in ThickFormat if kind.value in set(wanted)}
-    made = thick_files(pattern, job.name, job, formats, clock)
+    made = thick_files(pattern, job.name, job, formats, clock, job.print_with(job.folder))
     findings += made.findings
     if made.figures is None or made.print_mm is None:
         return None

@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
-import numpy as np
-
+from fab.clearance import SolidFigures, inspect_thick
 from fab.clock import Clock, Progress, silent
 from fab.crease import CreasePattern
-from fab.errors import Finding, Severity
-from fab.inspection import SolidFigures, inspect_solids
+from fab.errors import Finding
 from fab.make import Made, box_mm
+from fab.states import folded_states
 from fab.thick import thicken
-from fab.thick_settings import ThickSettings
+from fab.thick_settings import UNKNOWN, PrintWith, ThickSettings
 
 __all__ = ["ThickFiles", "ThickFormat", "make_thick", "thick_files"]
 
@@ -59,6 +58,7 @@ def thick_files(
     settings: ThickSettings,
     formats: Collection[ThickFormat],
     clock: Clock,
+    print_with: PrintWith,
 ) -> ThickFiles:
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
@@ -69,14 +69,23 @@ def thick_files(
 
     with clock.stage("panels"):
         sheet, found = thicken(pattern, settings.panels, settings.hinges)
-    findings = [*found, *_limited(pattern, settings.panels.fold_limit_deg)]
+    findings = list(found)
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, tuple(findings))
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
-        figures, found = inspect_solids(sheet, joined, settings.panels.gap_mm)
-        findings += found
+        states, unknown = folded_states(pattern, progress=clock.progress)
+        figures, found = inspect_thick(
+            sheet,
+            joined,
+            states,
+            limit_deg=settings.panels.fold_limit_deg,
+            printer=print_with.printer,
+            material=print_with.filament,
+            progress=clock.progress,
+        )
+        findings += [*unknown, *found]
     data: dict[ThickFormat, bytes] = {}
     if ThickFormat.STEP in formats:
         with clock.stage("step"):
@@ -100,6 +109,7 @@ def make_thick(
     name: str,
     settings: ThickSettings,
     *,
+    print_with: PrintWith = UNKNOWN,
     formats: Sequence[ThickFormat] = tuple(ThickFormat),
     findings: Sequence[Finding] = (),
     progress: Progress = silent,
@@ -110,12 +120,15 @@ def make_thick(
     `name`_thick_report.json. progress : called with (stage, steps done, steps in the stage).
     """
     clock = Clock(progress)
-    made = thick_files(pattern, name, settings, formats, clock)
+    made = thick_files(pattern, name, settings, formats, clock, print_with)
     told = (*findings, *made.findings)
+    printer, filament = print_with.printer, print_with.filament
     files = {f"{name}_thick.{kind}": data for kind, data in made.data.items()}
     report: dict[str, Any] = {
         "name": name,
         "settings": settings.model_dump(mode="json"),
+        "printer": None if printer is None else printer.model_dump(mode="json"),
+        "material": None if filament is None else filament.model_dump(mode="json"),
         "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
         "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
         "solids": None if made.figures is None else dataclasses.asdict(made.figures),
@@ -129,21 +142,3 @@ def make_thick(
     data = json.dumps(report, indent=2, allow_nan=False) + "\n"
     files[f"{name}_thick_report.json"] = data.encode()
     return Made(files, report, told)
-
-
-def _limited(pattern: CreasePattern, limit_deg: float) -> list[Finding]:
-    """A finding where panels are made for less than the fold angles of the pattern."""
-    angle = np.abs(pattern.edges_foldAngle)
-    beyond = np.flatnonzero(angle > limit_deg)
-    if not len(beyond):
-        return []
-    return [
-        Finding(
-            "fold-limited",
-            Severity.WARNING,
-            f"{len(beyond)} creases fold by up to {angle.max():.4g} degrees, their panels are made "
-            f"for fold_limit_deg = {limit_deg:g}: the thick sheet folds that far and no further. "
-            "For more, make it thinner or larger (--suggest shows how much), and raise the limit.",
-            creases=tuple(beyond[:20].tolist()),
-        )
-    ]
