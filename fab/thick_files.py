@@ -100,7 +100,9 @@ def thick_files(
         from fab.thick_picture import thick_png_bytes
 
         with clock.stage("thick png"):
-            data[ThickFormat.PNG] = thick_png_bytes(sheet, name)
+            reached = states[len(figures.states) - 1]  # as far as the panels are made for
+            folded = reached if len(figures.states) > 1 else None
+            data[ThickFormat.PNG] = thick_png_bytes(sheet, name, folded)
     return ThickFiles(data, figures, box_mm(joined.vertices_coords), tuple(findings))
 
 

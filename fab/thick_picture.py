@@ -14,7 +14,7 @@ import numpy as np
 
 from fab.bodies import Bodies
 from fab.picture import principal_axes
-from fab.poses import face_poses
+from fab.states import FoldedState
 from fab.thick import ThickSheet
 from solver.vectors import FloatArray, IntArray, cross, unit
 
@@ -33,8 +33,8 @@ _OTHER = (0.6, 0.6, 0.6)
 _LIGHT = unit(np.array([-0.3, -0.4, 0.9]))
 
 
-def thick_png_bytes(sheet: ThickSheet, title: str) -> bytes:
-    """The flat bodies on the left, the folded ones (where the form is known) on the right.
+def thick_png_bytes(sheet: ThickSheet, title: str, state: FoldedState | None = None) -> bytes:
+    """The flat bodies on the left, those in a folded state (where one is given) on the right.
 
     1600 x 840 pixels. Panels are sand above and blue below, hinges of mountains red, of valleys
     blue. Webs are drawn straight from panel to panel where they are bent.
@@ -43,11 +43,11 @@ def thick_png_bytes(sheet: ThickSheet, title: str) -> bytes:
     from matplotlib.figure import Figure
 
     views = [("flat", rendered(sheet.bodies, _colours(sheet, np.arange(len(sheet.bodies))), 55.0))]
-    folded = sheet.pattern.folded_coords
-    if folded is not None and len(sheet.bodies):
-        bodies, numbers = folded_bodies(sheet, folded)
-        turned = replace(bodies, vertices_coords=bodies.vertices_coords @ principal_axes(folded).T)
-        views.append(("at the target", rendered(turned, _colours(sheet, numbers), 35.0)))
+    if state is not None and len(sheet.bodies):
+        bodies, numbers = folded_bodies(sheet, state)
+        coords = bodies.vertices_coords
+        turned = replace(bodies, vertices_coords=coords @ principal_axes(coords).T)
+        views.append((state.name, rendered(turned, _colours(sheet, numbers), 35.0)))
     figure = Figure(figsize=(2 * _PIXELS / 100, _PIXELS / 100 + 0.4), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
     width, height = 1 / len(views), _PIXELS / (_PIXELS + 40)
@@ -62,11 +62,11 @@ def thick_png_bytes(sheet: ThickSheet, title: str) -> bytes:
     return stream.getvalue()
 
 
-def folded_bodies(sheet: ThickSheet, coords: FloatArray) -> tuple[Bodies, IntArray]:
+def folded_bodies(sheet: ThickSheet, state: FoldedState) -> tuple[Bodies, IntArray]:
     """Bodies where a folded state has them, and their numbers in the sheet.
 
-    coords : shape (nv, 3), mm, of the pattern's vertices. Bodies of one crease that bend have the
-    half on each side of it moved with the face there; those of more are left out.
+    Bodies of one crease that bend have the half on each side of it moved with the face there; those
+    of more are left out.
     """
     numbers = np.flatnonzero((sheet.faces >= 0) | (sheet.creases >= 0))
     bodies = sheet.bodies.chosen(numbers)
@@ -80,8 +80,8 @@ def folded_bodies(sheet: ThickSheet, coords: FloatArray) -> tuple[Bodies, IntArr
     # the first face of an edge lies to the left of it
     left = way[:, 0] * off[:, 1] > way[:, 1] * off[:, 0]
     face[bent] = np.where(left, *pattern.edges_faces[edge].T)
-    turns, shifts = face_poses(pattern, coords)
-    moved = np.squeeze(turns[face] @ bodies.vertices_coords[:, :, None], axis=2) + shifts[face]
+    moved = np.squeeze(state.turns[face] @ bodies.vertices_coords[:, :, None], axis=2)
+    moved += state.shifts[face]
     return replace(bodies, vertices_coords=moved), numbers
 
 
