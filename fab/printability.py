@@ -7,7 +7,7 @@ import numpy as np
 from fab.bodies import TriangleMesh
 from fab.errors import Finding, Severity
 from fab.panels import Panels
-from fab.printers import Filament, Printer
+from fab.printers import Printer, PrintMaterial
 from fab.thick import ThickSheet
 from solver.vectors import FloatArray, IntArray, cross, norm, unit
 
@@ -34,7 +34,7 @@ def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> 
     ]
 
 
-def inspect_webs(sheet: ThickSheet, material: Filament, limit_deg: float) -> list[Finding]:
+def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -> list[Finding]:
     """Findings about webs that break: too thick for their length and fold angle (`fab.hinges`)."""
     webs = _webs(sheet)
     creases = sheet.creases[webs]
@@ -173,7 +173,8 @@ def _gaps(sheet: ThickSheet, printer: Printer) -> list[Finding]:
             "gap-too-narrow",
             Severity.WARNING,
             f"{len(narrow)} gaps are narrower than the printer's least_gap_mm = "
-            f"{printer.least_gap_mm:g}, the least is {gap.min():.3g} mm: panels fuse. Raise gap_mm.",
+            f"{printer.least_gap_mm:g}, the least is {gap.min():.3g} mm: panels fuse. "
+            "Raise gap_mm.",
             creases=tuple(narrow[:_NAMED].tolist()),
         )
     ]
