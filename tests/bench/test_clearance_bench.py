@@ -37,7 +37,7 @@ def folds(faces: int):
         target = pattern if target is None else target
         stage = Stage.TARGET if share == 1 else Stage.BETWEEN
         states.append(panels_at(target, pattern.folded_coords, stage, float(share)))
-    assert max(state.bend_mm for state in states) < 1e-9
+    assert max(state.bend_mm for state in states) < 1e-6
     return target, [flat_panels(target), *states[::-1]]
 
 
