@@ -215,27 +215,24 @@ def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:
 
 
 def _overhangs(sheet: ThickSheet, printer: Printer) -> list[Finding]:
-    """Sides that look down, steeper than the printer prints without support."""
-    bodies = sheet.bodies
+    """Sides of panels that look down, more than the printer prints without support."""
+    bodies = sheet.panels.bodies
     corners = bodies.vertices_coords[bodies.triangles]
     a, b, c = corners.swapaxes(0, 1)
     down = -unit(cross(b - a, c - a))[:, 2]
     angle = np.degrees(np.arcsin(np.clip(np.nan_to_num(down), -1, 1)))
-    lowest = bodies.vertices_coords[:, 2].min(initial=np.inf)
     over = (angle > printer.overhang_deg + 1e-6) & (angle < _LEVEL_DEG)
-    over &= corners[:, :, 2].min(axis=1) >= lowest - _ON_BED_MM
     owner = np.unique(bodies.triangles_body[over])
     if not len(owner):
         return []
-    faces = sheet.faces[owner]
     return [
         Finding(
             "overhang-too-flat",
             Severity.WARNING,
-            f"{len(owner)} bodies have sides that lean out by over overhang_deg = "
+            f"{len(owner)} panels have sides that lean out by over overhang_deg = "
             f"{printer.overhang_deg:g} degrees, up to {angle[over].max():.4g}. Print them with "
             "support, set axis = bottom, or lower fold_limit_deg.",
-            panels=tuple(faces[faces >= 0][:_NAMED].tolist()),
+            panels=tuple(sheet.panels.faces[owner[:_NAMED]].tolist()),
         )
     ]
 
