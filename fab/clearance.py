@@ -12,7 +12,7 @@ from fab.errors import Finding, Severity
 from fab.joining import manifolds
 from fab.pairs import OVERLAP_MM3, PairCheck, check_pairs, thick_bodies
 from fab.printability import bed_area_mm2, inspect_print, inspect_webs
-from fab.printers import Filament, Printer
+from fab.printers import Printer, PrintMaterial
 from fab.soundness import held_together, inspect_joined, inspect_soundness
 from fab.states import FoldedState, Stage
 from fab.thick import ThickSheet
@@ -83,7 +83,7 @@ def inspect_thick(
     *,
     limit_deg: float = 180.0,
     printer: Printer | None = None,
-    material: Filament | None = None,
+    material: PrintMaterial | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> tuple[SolidFigures, list[Finding]]:
     """Check every body, all pairs of bodies in every state, and whether a printer can print them.
@@ -126,7 +126,7 @@ def _figures(
     joined: TriangleMesh,
     parts: int,
     states: list[StateFigures],
-    material: Filament | None,
+    material: PrintMaterial | None,
 ) -> SolidFigures:
     volumes = sheet.bodies.volumes_mm3()
     total = float(volumes.sum())

@@ -87,7 +87,7 @@ class PairCheck:
 
 
 def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) -> ThickBodies:
-    """Some of the bodies of a sheet. solids : all of them."""
+    """Some of the bodies of a sheet, by rising number. solids : all of them."""
     faces, creases = sheet.faces[chosen], sheet.creases[chosen]
     place = np.full(sheet.pattern.face_count, -1)
     panels = np.flatnonzero((creases < 0) & (faces >= 0))
@@ -96,8 +96,9 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     joined = (two >= 0) & (one != two) & (sheet.pattern.edges_assignment != "C")
     mates = place[sheet.pattern.edges_faces]
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
+    all_of_them = len(chosen) == len(sheet.bodies)
     return ThickBodies(
-        sheet.bodies.chosen(chosen),
+        sheet.bodies if all_of_them else sheet.bodies.chosen(chosen),
         [solids[body] for body in chosen.tolist()],
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,

@@ -7,7 +7,7 @@ import numpy as np
 from fab.bodies import TriangleMesh
 from fab.errors import Finding, Severity
 from fab.panels import Panels
-from fab.printers import Filament, Printer
+from fab.printers import Printer, PrintMaterial
 from fab.thick import ThickSheet
 from solver.vectors import FloatArray, IntArray, cross, norm, unit
 
@@ -34,7 +34,7 @@ def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> 
     ]
 
 
-def inspect_webs(sheet: ThickSheet, material: Filament, limit_deg: float) -> list[Finding]:
+def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -> list[Finding]:
     """Findings about webs that break: too thick for their length and fold angle (`fab.hinges`)."""
     webs = _webs(sheet)
     creases = sheet.creases[webs]
@@ -173,7 +173,8 @@ def _gaps(sheet: ThickSheet, printer: Printer) -> list[Finding]:
             "gap-too-narrow",
             Severity.WARNING,
             f"{len(narrow)} gaps are narrower than the printer's least_gap_mm = "
-            f"{printer.least_gap_mm:g}, the least is {gap.min():.3g} mm: panels fuse. Raise gap_mm.",
+            f"{printer.least_gap_mm:g}, the least is {gap.min():.3g} mm: panels fuse. "
+            "Raise gap_mm.",
             creases=tuple(narrow[:_NAMED].tolist()),
         )
     ]
@@ -214,27 +215,24 @@ def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:
 
 
 def _overhangs(sheet: ThickSheet, printer: Printer) -> list[Finding]:
-    """Sides that look down, steeper than the printer prints without support."""
-    bodies = sheet.bodies
+    """Sides of panels that look down, more than the printer prints without support."""
+    bodies = sheet.panels.bodies
     corners = bodies.vertices_coords[bodies.triangles]
     a, b, c = corners.swapaxes(0, 1)
     down = -unit(cross(b - a, c - a))[:, 2]
     angle = np.degrees(np.arcsin(np.clip(np.nan_to_num(down), -1, 1)))
-    lowest = bodies.vertices_coords[:, 2].min(initial=np.inf)
     over = (angle > printer.overhang_deg + 1e-6) & (angle < _LEVEL_DEG)
-    over &= corners[:, :, 2].min(axis=1) >= lowest - _ON_BED_MM
     owner = np.unique(bodies.triangles_body[over])
     if not len(owner):
         return []
-    faces = sheet.faces[owner]
     return [
         Finding(
             "overhang-too-flat",
             Severity.WARNING,
-            f"{len(owner)} bodies have sides that lean out by over overhang_deg = "
+            f"{len(owner)} panels have sides that lean out by over overhang_deg = "
             f"{printer.overhang_deg:g} degrees, up to {angle[over].max():.4g}. Print them with "
             "support, set axis = bottom, or lower fold_limit_deg.",
-            panels=tuple(faces[faces >= 0][:_NAMED].tolist()),
+            panels=tuple(sheet.panels.faces[owner[:_NAMED]].tolist()),
         )
     ]
 

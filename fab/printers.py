@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from fab.materials import Described, load_described
 
-__all__ = ["Filament", "Printer", "load_filament", "load_printer"]
+__all__ = ["PrintMaterial", "Printer", "load_print_material", "load_printer"]
 
 
 class Printer(Described):
@@ -57,10 +57,10 @@ class Printer(Described):
         return width - 2 * self.margin_mm, depth - 2 * self.margin_mm
 
 
-class Filament(Described):
+class PrintMaterial(Described):
     """What bodies are printed of."""
 
-    kind: Literal["filament"]
+    kind: Literal["print"]
     density_kg_m3: float = Field(gt=0, le=30000, description="when printed full, 1240 for PLA")
     strain_max: float | None = Field(
         default=None,
@@ -79,9 +79,9 @@ def load_printer(name_or_path: str | Path) -> Printer:
     return load_described(Printer, "machines", name_or_path)
 
 
-def load_filament(name_or_path: str | Path) -> Filament:
-    """A shipped filament by name, or one of the user's own by the path of its TOML file.
+def load_print_material(name_or_path: str | Path) -> PrintMaterial:
+    """A shipped print material by name, or one of the user's own by the path of its TOML file.
 
     Raises `InvalidJob` with every key at fault, and for sheets.
     """
-    return load_described(Filament, "materials", name_or_path)
+    return load_described(PrintMaterial, "materials", name_or_path)
