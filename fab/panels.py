@@ -274,16 +274,19 @@ def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: i
 
 
 def spans(
-    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray
+    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray, own_mm: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """From where to where each of some sides runs at a height, in mm from its start, shape (k,).
 
-    The side, moved inwards by its setback, ends where the next one crosses it; in convex faces
+    own_mm : how far inwards it runs, shape (k,); the setbacks of these sides where left out.
+
+    The side, moved inwards so far, ends where the next one crosses it; in convex faces
     any other may. The start comes after the end where nothing is left of it.
     """
     offsets = sides.offsets
     convex = are_convex(sides.start, offsets)
     back_mm = back.at(z_mm)[sides.edges]
+    own_mm = back_mm[rows] if own_mm is None else own_mm
     face = sides.faces[rows]
     low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
     sizes = np.diff(offsets)[face]
@@ -293,7 +296,7 @@ def spans(
         active &= convex[face] | (step == 1) | (step == sizes - 1)
         me = rows[active]
         other = offsets[face[active]] + (me - offsets[face[active]] + step) % sizes[active]
-        point = sides.start[me] + back_mm[me, None] * sides.inward[me]
+        point = sides.start[me] + own_mm[active, None] * sides.inward[me]
         slope = (sides.along[me] * sides.inward[other]).sum(axis=1)
         gap = ((sides.start[other] - point) * sides.inward[other]).sum(axis=1) + back_mm[other]
         with np.errstate(divide="ignore", invalid="ignore"):

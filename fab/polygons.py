@@ -41,7 +41,7 @@ def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:
 
 
 def are_convex(corners: FloatArray, offsets: IntArray) -> BoolArray:
-    """Whether each counterclockwise ring nowhere turns right or back, up to rounding, shape (n,)."""
+    """Whether each counterclockwise ring nowhere turns right or back, shape (n,)."""
     following = next_corner(offsets)
     side = corners[following] - corners
     turn = side[:, 0] * side[following, 1] - side[:, 1] * side[following, 0]
