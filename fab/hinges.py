@@ -56,8 +56,8 @@ class HingeSettings(Settings):
         default=0.3,
         ge=0.01,
         le=1000,
-        description="from the end of a hinge to the nearest panel corner; of a web, to the farthest "
-        "panel corner at that vertex",
+        description="from the end of a hinge to the nearest panel corner; of webs, to the "
+        "farthest panel corner at their vertex",
     )
     strain_max: float = Field(
         default=0.5,

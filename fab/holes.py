@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from fab.bodies import TriangleMesh, bodies_of
-from fab.carving import carved_mesh, manifold_with_sides
+from fab.carving import carved
 from fab.errors import Finding, Severity
 from fab.extrusion import circle, extruded
 from fab.hinges import ROUND_SIDES
@@ -27,31 +27,27 @@ def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, lis
     least = hole_mm / 2 / np.cos(np.pi / ROUND_SIDES) + wall_mm
     narrow, widest = [], 0.0
     for i, mesh in enumerate(meshes):
-        section = _section(mesh, low) & _section(mesh, high)
-        across = shapely.maximum_inscribed_circle(section, tolerance=least / 100)
+        free = _side_at(mesh, low) & _side_at(mesh, high)
+        across = shapely.maximum_inscribed_circle(free, tolerance=least / 100)
         if across.length < least:
             narrow.append(int(panels.faces[i]))
             widest = max(widest, across.length)
             continue
         centre = shapely.get_coordinates(across)[0]
         drill = extruded(circle(centre, hole_mm / 2, ROUND_SIDES, around=True), low - 1, high + 1)
-        names = mesh.triangles_plane - mesh.triangles_plane.min()
-        body = manifold_with_sides(mesh, names)
-        meshes[i] = carved_mesh(
-            body - manifold_with_sides(drill, drill.triangles_plane + names.max() + 1)
-        )
+        meshes[i] = carved(mesh, [drill])
     out = replace(panels, bodies=bodies_of(meshes))
     if not narrow:
         return out, []
     text = (
         f"{len(narrow)} panels have no hole: hole_mm = {hole_mm:g} with wall_mm = {wall_mm:g} "
-        f"beside it needs {2 * least:.4g} mm between their sides at all heights; the widest of them "
-        f"has {2 * widest:.4g}. Lower hole_mm or wall_mm, or enlarge the sheet."
+        f"beside it needs {2 * least:.4g} mm between their sides at all heights; the widest of "
+        f"them has {2 * widest:.4g}. Lower hole_mm or wall_mm, or enlarge the sheet."
     )
     return out, [Finding("hole-missing", Severity.WARNING, text, panels=tuple(narrow[:20]))]
 
 
-def _section(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
+def _side_at(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
     """The horizontal side of a body at a height."""
     at = mesh.vertices_coords[mesh.triangles]
     flat = (at[:, :, 2] == z_mm).all(axis=1)

@@ -17,13 +17,13 @@ they keep (R + play) cos(rho / 2) from the other panel at the target.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 
 from fab.bodies import TriangleMesh
-from fab.carving import carved_mesh, manifold_with_sides
+from fab.carving import united
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
 from fab.extrusion import circle, extruded
@@ -129,30 +129,24 @@ def with_knuckles(
     pattern: CreasePattern, panels: Panels, knuckles: Knuckles, settings: HingeSettings
 ) -> list[TriangleMesh]:
     """Every panel, united with its barrels, arms and pins where it has any."""
-    from manifold3d import Manifold, OpType
-
     parts = _parts(pattern, panels, knuckles, settings)
     low, high = panels.heights_mm
     meshes = []
     for i, face in enumerate(panels.faces.tolist()):
         mesh = panels.bodies.mesh(i)
         if face in parts:
-            pieces = [mesh, *parts[face]]
-            solids = [
-                manifold_with_sides(piece, _names(piece, low, high, 2 + k * _PART))
-                for k, piece in enumerate(pieces)
-            ]
-            mesh = carved_mesh(Manifold.batch_boolean(solids, OpType.Add))
+            bodies = enumerate([mesh, *parts[face]])
+            mesh = united([_told(body, low, high, 2 + k * _PART) for k, body in bodies])
         meshes.append(mesh)
     return meshes
 
 
-def _names(mesh: TriangleMesh, low: float, high: float, base: int) -> IntArray:
-    """Numbers of planar sides: bottoms and tops have the same ones in all parts of a panel."""
+def _told(mesh: TriangleMesh, low: float, high: float, base: int) -> TriangleMesh:
+    """A part of a panel; its bottom and top have the same number in all parts, 0 and 1."""
     z = mesh.vertices_coords[mesh.triangles, 2]
     own = mesh.triangles_plane - mesh.triangles_plane.min() + base
     at = [(z == height).all(axis=1) for height in (low, high)]
-    return np.where(at[0], 0, np.where(at[1], 1, own))
+    return replace(mesh, triangles_plane=np.where(at[0], 0, np.where(at[1], 1, own)))
 
 
 def _parts(

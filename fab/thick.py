@@ -21,11 +21,11 @@ from fab.holes import drilled
 from fab.knuckles import make_knuckles, with_knuckles
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
-from fab.setbacks import setbacks
+from fab.setbacks import Setbacks, setbacks
 from fab.webs import make_webs
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["ThickSheet", "thicken"]
+__all__ = ["ThickSheet", "heights_and_setbacks", "thicken"]
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,10 @@ class ThickSheet:
         return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
 
 
-def thicken(
+def heights_and_setbacks(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
-) -> tuple[ThickSheet, list[Finding]]:
-    """Panels and hinges of a pattern, and what is to be told of them.
+) -> tuple[tuple[float, float], Setbacks]:
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
@@ -86,6 +86,17 @@ def thicken(
         hinge_mm=hinge_setbacks(pattern, panel, hinge),
         limit_deg=panel.fold_limit_deg,
     )
+    return heights, back
+
+
+def thicken(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels and hinges of a pattern, and what is to be told of them.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights, back = heights_and_setbacks(pattern, panel, hinge)
     panels, findings = make_panels(pattern, heights, back)
     webs, without = make_webs(pattern, panels, hinge)
     findings += without

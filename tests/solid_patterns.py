@@ -1,4 +1,4 @@
-"""Patterns for the tests of thick panels: rings around a polygon, a folded pair, a folded vertex."""
+"""Patterns for the tests of thick panels: rings of quads, folded pairs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
 """Panels against areas, half-spaces and folded pairs that are computed in other ways."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import shapely
@@ -93,7 +95,7 @@ def test_volume_is_that_of_sections_with_mitred_corners(ring, angle, heights, ga
     edge = int(np.flatnonzero(back.above + back.below)[0]) if angle else 0
     levels = sorted({heights[0], heights[1], *([0.0] if heights[0] < 0 < heights[1] else [])})
     exact = 0.0
-    for low, high in zip(levels, levels[1:], strict=False):
+    for low, high in pairwise(levels):
         areas = [
             shapely.Polygon(ring)
             .buffer(-float(back.at(z)[edge]), join_style="mitre", mitre_limit=1e6)
@@ -203,7 +205,7 @@ def overlap_mm3(pattern, heights, back) -> float:
 
 @pytest.mark.parametrize(("angle", "heights"), [(100.0, (0.0, 1.6)), (-70.0, (-2.0, 0.5))])
 def test_a_naive_vertical_cut_is_caught_with_its_overlap(angle, heights):
-    """Negative control: two corners reach beyond the bisecting plane, area (t tan h - s)^2 / tan h."""
+    """Negative control: two corners beyond the bisecting plane, (t tan h - s)^2 / tan h."""
     pattern = folded_pair(angle)
     back = backs(pattern, heights)
     assert overlap_mm3(pattern, heights, back) < 1e-9
@@ -227,7 +229,7 @@ def test_a_bevel_on_the_wrong_side_is_caught_with_its_overlap(angle):
 
 
 def test_a_short_side_vanishes_with_a_finding_and_an_exact_volume():
-    """A square of 20 whose corner is cut off by a side of 0.5 sqrt 2, at setbacks of 1: a square."""
+    """A square of 20 with a corner cut off by a side of 0.5 sqrt 2, at setbacks of 1."""
     ring = np.array([[0, 0], [20, 0], [20, 19.5], [19.5, 20], [0, 20]])
     pattern = ringed(ring, 0.0)
     panels, findings = make_panels(pattern, (0.0, 2.0), backs(pattern, gap=2.0))
