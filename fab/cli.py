@@ -277,7 +277,10 @@ def fabricate(
     "--printer", default=None, metavar="NAME", help="A shipped one, or a .toml file of your own."
 )
 @click.option(
-    "--material", default=None, metavar="NAME", help="A shipped filament, or a .toml file."
+    "--material",
+    default=None,
+    metavar="NAME",
+    help="A print material: a shipped one, or a .toml file of your own.",
 )
 @_WIDTH
 @_SCALE

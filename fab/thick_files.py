@@ -82,10 +82,13 @@ def thick_files(
             states,
             limit_deg=settings.panels.fold_limit_deg,
             printer=print_with.printer,
-            material=print_with.filament,
+            material=print_with.material,
             progress=clock.progress,
         )
-        findings += [*unknown, *found]
+        # what has no hinges is loose by intent
+        apart = set(settings.hinges.kinds) == {"none"}
+        told = [finding for finding in found if not (apart and finding.code == "panels-loose")]
+        findings += [*unknown, *told]
     data: dict[ThickFormat, bytes] = {}
     if ThickFormat.STEP in formats:
         with clock.stage("step"):
@@ -124,13 +127,13 @@ def make_thick(
     clock = Clock(progress)
     made = thick_files(pattern, name, settings, formats, clock, print_with)
     told = (*findings, *made.findings)
-    printer, filament = print_with.printer, print_with.filament
+    printer, material = print_with.printer, print_with.material
     files = {f"{name}_thick.{kind}": data for kind, data in made.data.items()}
     report: dict[str, Any] = {
         "name": name,
         "settings": settings.model_dump(mode="json"),
         "printer": None if printer is None else printer.model_dump(mode="json"),
-        "material": None if filament is None else filament.model_dump(mode="json"),
+        "material": None if material is None else material.model_dump(mode="json"),
         "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
         "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
         "solids": None if made.figures is None else dataclasses.asdict(made.figures),

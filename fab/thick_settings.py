@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from fab.hinges import HingeSettings
+from fab.hinges import HingeSettings, heights_over_axes_mm
 from fab.panels import PanelSettings
-from fab.printers import Filament, Printer, load_filament, load_printer
+from fab.printers import Printer, PrintMaterial, load_print_material, load_printer
 from fab.settings import Settings, apply_change, checked
 
 __all__ = ["UNKNOWN", "PrintWith", "PrinterSettings", "ThickSettings", "thick_settings"]
@@ -21,15 +21,17 @@ class PrinterSettings(Settings):
     """Which printer prints the thick sheet, and of what: names, or paths of TOML files."""
 
     machine: str | None = Field(default=None, description="a shipped printer, or a .toml file")
-    material: str | None = Field(default=None, description="a shipped filament, or a .toml file")
+    material: str | None = Field(
+        default=None, description="a shipped print material, or a .toml file"
+    )
 
 
 @dataclass(frozen=True)
 class PrintWith:
-    """The printer and the filament, where they are known."""
+    """The printer and its material, where they are known."""
 
     printer: Printer | None = None
-    filament: Filament | None = None
+    material: PrintMaterial | None = None
 
 
 UNKNOWN = PrintWith()
@@ -43,16 +45,12 @@ class ThickSettings(Settings):
     printer: PrinterSettings = PrinterSettings()
 
     @model_validator(mode="after")
-    def _web_below_panel(self) -> ThickSettings:
-        if self.hinges.web_mm >= self.panels.thickness_mm:
-            raise ValueError(
-                f"hinges.web_mm = {self.hinges.web_mm:g} must be below panels.thickness_mm = "
-                f"{self.panels.thickness_mm:g}: a web is thinner than its panels"
-            )
+    def _hinges_fit_panels(self) -> ThickSettings:
+        heights_over_axes_mm(self.panels, self.hinges)
         return self
 
     def print_with(self, folder: Path = Path()) -> PrintWith:
-        """The printer and filament that are named. Raises `InvalidJob` for unknown ones.
+        """The printer and the material that are named. Raises `InvalidJob` for unknown ones.
 
         folder : where their files are looked for.
         """
@@ -63,7 +61,7 @@ class ThickSettings(Settings):
         machine, material = self.printer.machine, self.printer.material
         return PrintWith(
             None if machine is None else load_printer(place(machine)),
-            None if material is None else load_filament(place(material)),
+            None if material is None else load_print_material(place(material)),
         )
 
 
@@ -72,7 +70,7 @@ def thick_settings(
 ) -> ThickSettings:
     """The defaults with changes such as "panels.thickness_mm=1.2" laid over them.
 
-    machine, material : names of the printer and the filament, over those of the changes.
+    machine, material : names of the printer and its material, over those of the changes.
     Raises `InvalidJob` with every key at fault.
     """
     document: dict[str, Any] = {}

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from fab.crease import CreasePattern, scaled
+from fab.errors import InvalidJob
 from fab.feasible import inradii, rounded_down, rounded_up, scale_bounds
-from fab.hinges import HingeSettings
+from fab.hinges import HingeSettings, heights_over_axes_mm
 from fab.panels import LEAST_RADIUS_MM, LEAST_THICKNESS_MM, PanelSettings, make_panels
 from fab.polygons import are_convex
 from fab.setbacks import Setbacks, sides_of
@@ -114,8 +115,7 @@ def feasible_window(
         return clear and bool(standing(thickness_mm).all())
 
     given = panel.thickness_mm
-    # panels reach up to their axes, and are thicker than their webs
-    least = max(LEAST_THICKNESS_MM, panel.axis_mm or 0.0, hinge.web_mm * (1 + _EXACT))
+    least = _least_thickness_mm(panel, hinge)
     return Window(
         pattern.face_count,
         int(standing(given).sum()),
@@ -131,6 +131,24 @@ def feasible_window(
             if least <= thickness <= _MOST_MM
         ),
     )
+
+
+def _least_thickness_mm(panel: PanelSettings, hinge: HingeSettings) -> float:
+    """The least thickness at which panels reach up to their axes, and can have such hinges.
+
+    Raises `InvalidJob` where they cannot have them as given.
+    """
+    heights_over_axes_mm(panel, hinge)
+
+    def fits(inverse: float) -> bool:
+        try:
+            heights_over_axes_mm(panel.model_copy(update={"thickness_mm": 1 / inverse}), hinge)
+        except InvalidJob:
+            return False
+        return True
+
+    thinnest = _last(fits, 1 / panel.thickness_mm, 1 / LEAST_THICKNESS_MM)
+    return max(1 / thinnest if thinnest else panel.thickness_mm, panel.axis_mm or 0.0)
 
 
 class _Standing:
