@@ -280,7 +280,7 @@ def fabricate(
     "--material",
     default=None,
     metavar="NAME",
-    help="A print material: a shipped one, or a .toml file of your own.",
+    help="Of the print: a shipped one, or a .toml file.",
 )
 @_WIDTH
 @_SCALE

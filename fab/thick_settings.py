@@ -21,9 +21,7 @@ class PrinterSettings(Settings):
     """Which printer prints the thick sheet, and of what: names, or paths of TOML files."""
 
     machine: str | None = Field(default=None, description="a shipped printer, or a .toml file")
-    material: str | None = Field(
-        default=None, description="a shipped print material, or a .toml file"
-    )
+    material: str | None = Field(default=None, description="of the print, named in the same way")
 
 
 @dataclass(frozen=True)

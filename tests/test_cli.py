@@ -303,6 +303,21 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
         assert f"{side}.dxf" in names_in("sheets")
 
 
+def test_the_printer_part_of_the_readme_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Thick panels")[2].partition("\n## ")[0]
+    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+    lines = [line.partition("#")[0].split() for line in block.splitlines()]
+    Path("out").mkdir()
+    Path("out/miura.fold").write_bytes(made_template("miura").files["miura.fold"])
+    Path("theirs.fold").write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    results = [run(*words[1:]) for words in lines]
+    assert [result.exit_code for result in results] == [0, 0, 0], results
+    assert "fold-blocked" in results[2].output
+    kinds = [f"miura_thick.{kind}" for kind in ("3mf", "png", "step", "stl")]
+    assert names_in("solid") == [*kinds, "miura_thick_report.json"]
+
+
 def test_commands_of_the_readme_exist():
     text = (ROOT / "README.md").read_text()
     for command in set(re.findall(r"^quadfold (\w+)", text, re.MULTILINE)):

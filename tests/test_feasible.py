@@ -27,7 +27,7 @@ from fab.thick import heights_and_setbacks, thicken
 from fab.window import feasible_window
 
 STEP = 1e-6
-HINGE = HingeSettings(web_mm=0.01)
+HINGE = HingeSettings(kind="none")
 
 
 def framed(ring, angles_deg):
