@@ -46,7 +46,10 @@ def thick_png_bytes(sheet: ThickSheet, title: str, state: FoldedState | None = N
     if state is not None and len(sheet.bodies):
         bodies, numbers = folded_bodies(sheet, state)
         coords = bodies.vertices_coords
-        turned = replace(bodies, vertices_coords=coords @ principal_axes(coords).T)
+        axes = principal_axes(coords)
+        if state.turns[:, :, 2].sum(axis=0) @ axes[2] < 0:
+            axes[1:] *= -1  # the upper sides of most panels look up
+        turned = replace(bodies, vertices_coords=coords @ axes.T)
         views.append((state.name, rendered(turned, _colours(sheet, numbers), 35.0)))
     figure = Figure(figsize=(2 * _PIXELS / 100, _PIXELS / 100 + 0.4), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)

@@ -102,6 +102,8 @@ def test_the_picture_is_a_png_of_both_states_and_repeats(hinged):
     hinge = left[..., 2] > left[..., 0] + 100  # a valley's is blue
     assert sand.mean() > 0.05
     assert 50 < hinge.sum() < sand.sum() / 5
+    upper = (right[..., 0] > right[..., 2] + 40).mean()
+    assert upper > (right[..., 2] > right[..., 0] + 20).mean()  # its upper sides are seen
     for half in (left, right):
         assert (half < 250).any(axis=2).mean() > 0.05
         assert (half[:, :20] == 255).all()
