@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from fab.crease import CreasePattern
     from fab.make import Made
     from fab.stiffness import FoldSettings
+    from fab.thick_settings import ThickSettings
 
 __all__ = ["main"]
 
@@ -108,6 +109,13 @@ _ONLY_SHEETS = click.option(
     "--only", default=None, metavar="FORMATS", help="Such as dxf,pdf (default: dxf,svg,pdf)."
 )
 
+_WIDTH = click.option("--width-mm", default=None, type=float, help="Longer side of the flat sheet.")
+_SCALE = click.option("--scale", default=None, type=float, help="Times the size in the file.")
+_SUGGEST = click.option(
+    "--suggest",
+    is_flag=True,
+    help="Say at which thicknesses and sizes every panel stands; make nothing.",
+)
 _STRICT = click.option(
     "--strict", is_flag=True, help="Refuse files that need a repair, or an assumption."
 )
@@ -133,15 +141,29 @@ def main() -> None:
     "--only", default=None, metavar="FORMATS", help="Such as dxf,svg (default: the job's)."
 )
 @click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
-def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_run: bool) -> None:
+@_SUGGEST
+def run(
+    job: Path,
+    out: Path,
+    changes: tuple[str, ...],
+    only: str | None,
+    dry_run: bool,
+    suggest: bool,
+) -> None:
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
         from fab.job import load_job
-        from fab.make import Format, make, require_folder
+        from fab.make import Format, grown_pattern, make, require_folder
 
         chosen = _formats(only, Format)
         loaded = load_job(job, changes)
         formats = chosen or [Format(name) for name in loaded.outputs]
+        if suggest:
+            with _progress(interrupts) as progress:
+                pattern, findings = grown_pattern(loaded, progress)
+            _say_window(pattern, loaded)
+            _tell(findings)
+            return
         require_folder(out)
         with _progress(interrupts) as progress:
             made = make(loaded, formats, progress)
@@ -166,8 +188,8 @@ def run(job: Path, out: Path, changes: tuple[str, ...], only: str | None, dry_ru
 @_MATERIAL
 @_MACHINE
 @_OUT
-@click.option("--width-mm", default=None, type=float, help="Longer side of the flat sheet.")
-@click.option("--scale", default=None, type=float, help="Times the size in the file.")
+@_WIDTH
+@_SCALE
 @click.option("--copies", default=1, show_default=True, type=int, help="How many of the model.")
 @click.option(
     "--two-sided",
@@ -190,8 +212,9 @@ def fabricate(
 ) -> None:
     """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
     with _answers() as interrupts:
+        from fab.crease import scaled
         from fab.drawings import SheetFormat
-        from fab.fabricate import fabricate, left_over, scaled
+        from fab.fabricate import fabricate, left_over
         from fab.make import require_folder
         from fab.materials import load_machine, load_material
         from fab.pattern_file import read_pattern
@@ -228,6 +251,85 @@ def fabricate(
             others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
             _say(report["sheets"][0]["turn"] + others)
         _tell_left(left_over(made.files, name, out))
+        _tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)
+
+
+@main.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_OUT
+@click.option(
+    "--set",
+    "changes",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Such as panels.thickness_mm=1.2 or hinges.web_mm=0.4, as in a job; may be repeated.",
+)
+@click.option(
+    "--printer", default=None, metavar="NAME", help="A shipped one, or a .toml file of your own."
+)
+@click.option(
+    "--material",
+    default=None,
+    metavar="NAME",
+    help="Of the print: a shipped one, or a .toml file.",
+)
+@_WIDTH
+@_SCALE
+@click.option("--only", default=None, metavar="FORMATS", help="Such as step,stl (default: all).")
+@click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
+@_SUGGEST
+def thicken(
+    file: Path,
+    out: Path,
+    changes: tuple[str, ...],
+    printer: str | None,
+    material: str | None,
+    width_mm: float | None,
+    scale: float | None,
+    only: str | None,
+    dry_run: bool,
+    suggest: bool,
+) -> None:
+    """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
+    with _answers() as interrupts:
+        from fab.crease import scaled
+        from fab.make import require_folder
+        from fab.pattern_file import read_pattern
+        from fab.thick_files import ThickFormat, make_thick
+        from fab.thick_settings import thick_settings
+        from fab.titles import plain_title
+
+        formats = _formats(only, ThickFormat) or list(ThickFormat)
+        settings = thick_settings(changes, printer, material)
+        print_with = settings.print_with()
+        if not suggest:
+            require_folder(out)
+        pattern, findings = read_pattern(file)
+        pattern = scaled(pattern, width_mm=width_mm, factor=scale)
+        if suggest:
+            _say_window(pattern, settings)
+            _tell(findings)
+            return
+        name = plain_title(file.stem)
+        with _progress(interrupts) as progress:
+            made = make_thick(
+                pattern,
+                name,
+                settings,
+                print_with=print_with,
+                formats=formats,
+                findings=findings,
+                progress=progress,
+            )
+        interrupts.check()
+        _write(made, out, dry_run)
+        solids = made.report["solids"]
+        if solids is not None:
+            size = " x ".join(f"{side:.4g}" for side in made.report["bounding_box_mm"]["print"])
+            _say(f"{solids['panels']} panels, {solids['hinges']} hinges, {size} mm")
+        left = [out / f"{name}_thick.{kind}" for kind in formats]
+        _tell_left([path for path in left if path.name not in made.files and path.exists()])
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -334,14 +436,13 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
     with _answers():
-        from fab.materials import load_machine, load_material
-        from fab.shipped import shipped as known
+        from fab.materials import described
 
-        load = load_material if kind == "materials" else load_machine
-        names = known("materials" if kind == "materials" else "machines")
-        width = max(map(len, names))
-        for name in names:
-            _say(f"{name:<{width}}  {load(name).description}")
+        listed = described("materials" if kind == "materials" else "machines")
+        width = max(map(len, listed))
+        wide = max(len(what) for what, _ in listed.values())
+        for name, (what, description) in listed.items():
+            _say(f"{name:<{width}}  {what:<{wide}}  {description}")
 
 
 @main.command()
@@ -475,6 +576,14 @@ def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
     verb = "would write" if dry_run else "wrote"
     for name, data in made.files.items():
         _say(f"{verb} {folder / name}  {len(data)} bytes")
+
+
+def _say_window(pattern: CreasePattern, settings: ThickSettings) -> None:
+    """The feasible window of scale and thickness of a sheet."""
+    from fab.window import feasible_window
+
+    for line in feasible_window(pattern, settings.panels, settings.hinges).lines():
+        _say(line)
 
 
 def _tell(findings: Sequence[Finding]) -> None:

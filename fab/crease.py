@@ -7,19 +7,27 @@ in `faces_vertices`, and face f is `faces_vertices[faces_offsets[f]:faces_offset
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fab.development import Development
+from fab.errors import InvalidJob
 from fab.polygons import by_size, next_corner
 from solver.errors import InvalidValue, require_positive
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
-__all__ = ["FLAT_ANGLE_DEG", "CreasePattern", "assignments", "crease_pattern", "fold_angles_deg"]
+__all__ = [
+    "FLAT_ANGLE_DEG",
+    "CreasePattern",
+    "assignments",
+    "crease_pattern",
+    "fold_angles_deg",
+    "scaled",
+]
 
 # Creases that fold by less than this are flat (assignment F).
 FLAT_ANGLE_DEG = 1e-6
@@ -94,6 +102,26 @@ def crease_pattern(
         faces,
         offsets,
         mesh.vertices_coords * scale_mm_per_unit,
+    )
+
+
+def scaled(
+    pattern: CreasePattern, *, width_mm: float | None = None, factor: float | None = None
+) -> CreasePattern:
+    """The pattern with its longer side `width_mm` long, or `factor` times as large."""
+    if width_mm is not None and factor is not None:
+        raise InvalidJob(f"width {width_mm:g} mm and scale {factor:g}: give one of them.")
+    if width_mm is not None:
+        require_positive("width_mm", width_mm)
+        factor = width_mm / float(np.ptp(pattern.vertices_coords, axis=0).max())
+    if factor is None:
+        return pattern
+    require_positive("scale", factor)
+    folded = pattern.folded_coords
+    return replace(
+        pattern,
+        vertices_coords=pattern.vertices_coords * factor,
+        folded_coords=None if folded is None else folded * factor,
     )
 
 

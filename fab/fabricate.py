@@ -14,12 +14,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import shapely
 
-from fab.crease import CreasePattern
+from fab.crease import CreasePattern, scaled
 from fab.drawings import SheetFormat, drawing_files
-from fab.errors import Finding, InvalidJob
+from fab.errors import Finding
 from fab.fineness import narrow_faces
 from fab.labels import engraved
 from fab.make import Made, Progress, with_report
@@ -30,7 +29,7 @@ from fab.perforation import crease_findings, cut_piece
 from fab.pieces import Piece, Pieces, SheetSplit, split
 from fab.tour import estimate, tour
 from fab.two_sided import Registration, how_to_turn, two_sided
-from solver.errors import InvalidValue, require_count, require_positive
+from solver.errors import InvalidValue, require_count
 
 __all__ = ["fabricate", "left_over", "scaled"]
 
@@ -43,26 +42,6 @@ _CORNER_KERFS = 5.0
 _LEAST_TAB_MM = 1.0
 # More pieces than this take hours to place, to put in order and to write.
 _MOST_PLACED = 10_000
-
-
-def scaled(
-    pattern: CreasePattern, *, width_mm: float | None = None, factor: float | None = None
-) -> CreasePattern:
-    """The pattern with its longer side `width_mm` long, or `factor` times as large."""
-    if width_mm is not None and factor is not None:
-        raise InvalidJob(f"width {width_mm:g} mm and scale {factor:g}: give one of them.")
-    if width_mm is not None:
-        require_positive("width_mm", width_mm)
-        factor = width_mm / float(np.ptp(pattern.vertices_coords, axis=0).max())
-    if factor is None:
-        return pattern
-    require_positive("scale", factor)
-    folded = pattern.folded_coords
-    return replace(
-        pattern,
-        vertices_coords=pattern.vertices_coords * factor,
-        folded_coords=None if folded is None else folded * factor,
-    )
 
 
 def fabricate(

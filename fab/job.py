@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union, get_type_hints
@@ -14,11 +13,10 @@ from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fab.development import Development
 from fab.errors import InvalidJob
-from fab.hinges import HingeSettings
-from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
-from fab.settings import Settings, checked, read_toml
+from fab.settings import Settings, apply_change, checked, read_toml
 from fab.stiffness import FoldSettings
+from fab.thick_settings import ThickSettings
 from solver import DESIGNS, Design
 from solver.designs.surface_fit import SURFACES
 from solver.targets import Target
@@ -132,7 +130,7 @@ class SheetSettings(Settings):
         return self.width_mm / float(development.vertices_coords.max())
 
 
-class Job(Settings):
+class Job(ThickSettings):
     """Everything that a job file says. Unknown keys, NaN and values out of bounds are refused."""
 
     name: str = Field(
@@ -150,8 +148,6 @@ class Job(Settings):
     design: Annotated[Union[tuple(_DESIGN_SETTINGS.values())], Field(discriminator="kind")]  # type: ignore[valid-type] # noqa: UP007
     sheet: SheetSettings
     perforation: PerforationSettings = PerforationSettings()
-    panels: PanelSettings = PanelSettings()
-    hinges: HingeSettings = HingeSettings()
     simulation: FoldSettings | None = Field(
         default=None, description="fold the sheet from flat and judge; not where left out"
     )
@@ -162,15 +158,6 @@ class Job(Settings):
         """Where files that the job names are looked for."""
         return self._folder
 
-    @model_validator(mode="after")
-    def _web_below_panel(self) -> Job:
-        if self.hinges.web_mm >= self.panels.thickness_mm:
-            raise ValueError(
-                f"hinges.web_mm = {self.hinges.web_mm:g} must be below panels.thickness_mm = "
-                f"{self.panels.thickness_mm:g}: a web is thinner than its panels"
-            )
-        return self
-
 
 def load_job(path: Path, changes: Sequence[str] = ()) -> Job:
     """Read a job from a TOML file, with `changes` such as "design.strips=4" laid over it.
@@ -179,26 +166,8 @@ def load_job(path: Path, changes: Sequence[str] = ()) -> Job:
     """
     document = read_toml(path, f"Check the path. {_CURE}")
     for change in changes:
-        _apply(document, change)
+        apply_change(document, change)
     return parse_job(document, str(path), path.parent)
-
-
-def _apply(document: dict[str, Any], change: str) -> None:
-    key, equals, text = change.partition("=")
-    parts = [part.strip() for part in key.split(".")]
-    if not equals or not all(parts):
-        raise InvalidJob(f"--set {change}: must have the form key=value, as in design.strips=4.")
-    try:
-        parsed = tomllib.loads(f"value = {text}")
-        value = parsed["value"] if len(parsed) == 1 else text
-    except (tomllib.TOMLDecodeError, RecursionError):
-        value = text.strip()
-    table = document
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise InvalidJob(f"--set {change}: {part} is a value, not a table.")
-    table[parts[-1]] = value
 
 
 def parse_job(document: Mapping[str, Any], source: str = "job", folder: Path = Path()) -> Job:

@@ -4,7 +4,7 @@ The flow, and the only place where its branches join:
 
     design -> mesh -> development -> crease pattern -+-> perforation -> DXF, SVG
                                                      +-> FOLD, PNG
-                                                     +-> panels, webs -> STEP, STL, 3MF
+                                                     +-> thick sheet -> STEP, STL, 3MF, PNG
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ import math
 import os
 import shutil
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -26,21 +25,23 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from fab.clock import Clock, Progress, silent
 from fab.crease import CreasePattern, crease_pattern
 from fab.crossing import crossing_faces
 from fab.development import Development, develop
 from fab.errors import Finding, InvalidJob, Severity
 from fab.fold_file import fold_bytes
-from fab.inspection import inspect_accuracy, inspect_crossings, inspect_solids, measure_pattern
+from fab.inspection import inspect_accuracy, inspect_crossings, measure_pattern
 from fab.job import Job, design_key
 from fab.perforation import perforate
-from fab.thick import thicken
 from solver import DESIGNS, Growth, InvalidValue, Status
+from solver.vectors import FloatArray
 
 __all__ = [
     "Format",
     "Made",
     "Progress",
+    "box_mm",
     "grown_pattern",
     "make",
     "require_folder",
@@ -57,8 +58,6 @@ _CURES = {
     errno.ENOSPC: "Free some space, or choose another --out.",
     errno.EDQUOT: "Free some space, or choose another --out.",
 }
-
-Progress = Callable[[str, int, int], None]
 
 
 class Format(StrEnum):
@@ -87,27 +86,7 @@ class Made:
         return all(finding.severity != Severity.ERROR for finding in self.findings)
 
 
-def _silent(stage: str, done: int, total: int) -> None:
-    del stage, done, total
-
-
-class _Clock:
-    """Seconds per stage, told to `progress` as stages begin."""
-
-    def __init__(self, progress: Progress) -> None:
-        self.progress = progress
-        self.seconds: dict[str, float] = {}
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[Callable[[int, int], None]]:
-        begin = time.perf_counter()
-        self.progress(name, 0, 1)
-        yield lambda done, total: self.progress(name, done, total)
-        self.progress(name, 1, 1)
-        self.seconds[name] = round(time.perf_counter() - begin, 4)
-
-
-def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = _silent) -> Made:
+def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = silent) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
 
     formats : those of the job where none are given.
@@ -118,7 +97,8 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     formats = [Format(name) for name in job.outputs] if formats is None else formats
-    clock = _Clock(progress)
+    wanted = set(formats)
+    clock = Clock(progress)
     findings: list[Finding] = []
     growth, development, pattern = _grown(job, clock)
     findings += [*_growth_findings(growth), *_overlap_findings(development)]
@@ -131,11 +111,11 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         findings += inspect_crossings(crossings)
 
     files: dict[str, bytes] = {}
+    assert pattern.folded_coords is not None  # what was grown has its folded form
     boxes = {
-        "flat": _box(pattern.vertices_coords),
-        "folded": _box(pattern.folded_coords),
+        "flat": box_mm(pattern.vertices_coords),
+        "folded": box_mm(pattern.folded_coords),
     }
-    wanted = set(formats)
     if Format.FOLD in wanted:
         with clock.stage("fold"):
             files[f"{job.name}.fold"] = fold_bytes(pattern, job.name)
@@ -195,14 +175,14 @@ def with_report(
 
 
 def grown_pattern(
-    job: Job, progress: Progress = _silent
+    job: Job, progress: Progress = silent
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
     """The crease pattern of a job, and what is to be told of its growth. Raises as `make`."""
-    growth, _, pattern = _grown(job, _Clock(progress))
+    growth, _, pattern = _grown(job, Clock(progress))
     return pattern, tuple(_growth_findings(growth))
 
 
-def _grown(job: Job, clock: _Clock) -> tuple[Growth, Development, CreasePattern]:
+def _grown(job: Job, clock: Clock) -> tuple[Growth, Development, CreasePattern]:
     with clock.stage("grow") as step, _named(job):
         growth = job.design.design(job.folder).grow(step)
     with clock.stage("develop"), _named(job):
@@ -229,7 +209,7 @@ def _flat_files(
     pattern: CreasePattern,
     wanted: set[Format],
     files: dict[str, bytes],
-    clock: _Clock,
+    clock: Clock,
 ) -> list[Finding]:
     if not wanted & {Format.DXF, Format.SVG}:
         return []
@@ -251,35 +231,20 @@ def _solid_files(
     files: dict[str, bytes],
     findings: list[Finding],
     boxes: dict[str, list[float]],
-    clock: _Clock,
+    clock: Clock,
 ) -> dict[str, Any] | None:
-    from fab.joining import joined_mesh
-    from fab.step import step_bytes
-    from fab.stl import inspect_stl, stl_bytes
-    from fab.threemf import sheet_parts, threemf_bytes
+    from fab.thick_files import ThickFormat, thick_files
 
-    with clock.stage("panels"):
-        sheet, missing = thicken(pattern, job.panels, job.hinges)
-    findings += missing
-    if not len(sheet.bodies):
+    formats = {kind for kind in ThickFormat if kind.value in set(wanted)}
+    made = thick_files(pattern, job.name, job, formats, clock, job.print_with(job.folder))
+    findings += made.findings
+    if made.figures is None or made.print_mm is None:
         return None
-    with clock.stage("join"):
-        joined = joined_mesh(sheet.joining)
-        boxes["print"] = _box(joined.vertices_coords)
-    with clock.stage("inspect"):
-        figures, wrong = inspect_solids(sheet, joined, job.panels.gap_mm)
-        findings += wrong
-    if Format.STEP in wanted:
-        with clock.stage("step"):
-            files[f"{job.name}.step"] = step_bytes(sheet, job.name)
-    if Format.STL in wanted:
-        with clock.stage("stl"):
-            files[f"{job.name}.stl"] = stl_bytes(joined)
-            findings += inspect_stl(joined)
-    if Format.THREEMF in wanted:
-        with clock.stage("3mf"):
-            files[f"{job.name}.3mf"] = threemf_bytes(sheet_parts(sheet), job.name)
-    return dataclasses.asdict(figures)
+    boxes["print"] = made.print_mm
+    for kind, data in made.data.items():
+        end = f"_thick.{kind}" if kind == ThickFormat.PNG else f".{kind}"
+        files[job.name + end] = data
+    return dataclasses.asdict(made.figures)
 
 
 def _growth_findings(growth: Growth) -> list[Finding]:
@@ -313,7 +278,8 @@ def _overlap_findings(development: Development) -> list[Finding]:
     ]
 
 
-def _box(coords: Any) -> list[float]:
+def box_mm(coords: FloatArray) -> list[float]:
+    """Sides of the box around points, rounded to 1e-6 mm."""
     return [round(float(side), 6) for side in coords.max(axis=0) - coords.min(axis=0)]
 
 

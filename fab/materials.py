@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import Field, field_validator, model_validator
 
@@ -18,9 +18,12 @@ from fab.shipped import shipped
 from fab.styles import ScoreStyle
 
 __all__ = [
+    "Described",
     "Machine",
     "Material",
     "Speeds",
+    "described",
+    "load_described",
     "load_machine",
     "load_material",
     "perforation_for",
@@ -32,7 +35,7 @@ _CURE = "Begin with a copy of a shipped file."
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
 
 
-class _Described(Settings):
+class Described(Settings):
     """Base of materials and machines: what it is, and which of its values are to be tried first."""
 
     description: str = Field(min_length=1, description="one line, for lists of names")
@@ -43,7 +46,7 @@ class _Described(Settings):
     )
 
     @model_validator(mode="after")
-    def _names_keys(self) -> _Described:
+    def _names_keys(self) -> Described:
         known = sorted(_keys(self.model_dump()))
         for key in self.starting_points:
             if key not in known:
@@ -60,9 +63,10 @@ def _keys(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
             yield from _keys(value, f"{above}{key}.")
 
 
-class Material(_Described):
+class Material(Described):
     """A sheet, and how creases are best made in it."""
 
+    kind: Literal["sheet"] = "sheet"
     thickness_mm: float = Field(gt=0, le=100, description="of the sheet")
     density_kg_m3: float = Field(gt=0, le=30000, description="of the sheet, 833 for card")
     tab_mm: float = Field(gt=0, le=200, description="height of glue tabs")
@@ -101,9 +105,10 @@ class Speeds(Settings):
     pierce_s: float = Field(ge=0, le=60, description="to begin a cut, on and off")
 
 
-class Machine(_Described):
+class Machine(Described):
     """What cuts the sheet: how large, how fast, and which file its software wants."""
 
+    kind: Literal["cutter"] = "cutter"
     bed_mm: tuple[float, float] = Field(strict=False, description="width and height")
     margin_mm: float = Field(ge=0, le=500, description="of the bed, on all sides, kept free")
     kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
@@ -152,37 +157,65 @@ def perforation_for(
 
 
 def load_material(name_or_path: str | Path) -> Material:
-    """A shipped material by name, or one of the user's own by the path of its TOML file.
+    """A shipped sheet material by name, or one of the user's own by the path of its TOML file.
 
-    Raises `InvalidJob` with every key at fault.
+    Raises `InvalidJob` with every key at fault, and for what is printed.
     """
-    return _load(Material, "materials", name_or_path)
+    return load_described(Material, "materials", name_or_path)
 
 
 def load_machine(name_or_path: str | Path) -> Machine:
-    """A shipped machine by name, or one of the user's own by the path of its TOML file.
+    """A shipped cutter by name, or one of the user's own by the path of its TOML file.
 
-    Raises `InvalidJob` with every key at fault.
+    Raises `InvalidJob` with every key at fault, and for printers.
     """
-    return _load(Machine, "machines", name_or_path)
+    return load_described(Machine, "machines", name_or_path)
 
 
-Kind = TypeVar("Kind", Material, Machine)
+Model = TypeVar("Model", bound=Described)
+Folder = Literal["materials", "machines"]
+# What a file is that does not say so.
+_KINDS = {"materials": "sheet", "machines": "cutter"}
 
 
-def _load(
-    model: type[Kind], kind: Literal["materials", "machines"], name_or_path: str | Path
-) -> Kind:
+def described(folder: Folder) -> dict[str, tuple[str, str]]:
+    """Kind and description of every shipped material or machine, by name."""
+    documents = {name: read_toml(path, "") for name, path in shipped(folder).items()}
+    return {
+        name: (_kind(document, folder), str(document["description"]))
+        for name, document in documents.items()
+    }
+
+
+def load_described(model: type[Model], folder: Folder, name_or_path: str | Path) -> Model:
+    """A shipped file by name or any other by its path, as the model that its kind is.
+
+    Raises `InvalidJob` with every key at fault, and for files of another kind.
+    """
+    (wanted,) = get_args(model.model_fields["kind"].annotation)
     path = Path(name_or_path)
     if path.suffix != ".toml":
-        known = shipped(kind)
-        if str(name_or_path) not in known:
-            close = difflib.get_close_matches(str(name_or_path), known, 1, 0.4)
+        name = str(name_or_path)
+        kinds = {known: kind for known, (kind, _) in described(folder).items()}
+        known = [name for name, kind in kinds.items() if kind == wanted]
+        if name not in known:
+            what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
+            close = difflib.get_close_matches(name, known, 1, 0.4)
             hint = f" Did you mean {close[0]}?" if close else ""
             raise InvalidJob(
-                f"{kind[:-1]} {str(name_or_path)!r} must be one of {', '.join(known)}, or the path "
+                f"{folder[:-1]} {name!r} {what}must be one of {', '.join(known)}, or the path "
                 f"of a .toml file.{hint}"
             )
-        path = known[str(name_or_path)]
-    document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {kind}`.")
+        path = shipped(folder)[name]
+    document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {folder}`.")
+    kind = _kind(document, folder)
+    if kind != wanted:
+        raise InvalidJob(
+            f"{path}: kind = {kind!r} must be {wanted!r} here. List the names: "
+            f"`quadfold shipped {folder}`."
+        )
     return checked(model, document, str(path), _CURE)
+
+
+def _kind(document: Mapping[str, Any], folder: Folder) -> str:
+    return str(document.get("kind", _KINDS[folder]))

@@ -23,6 +23,7 @@ from pydantic import Field, model_validator
 from fab.bodies import Bodies, TriangleMesh, bodies_of, stacked
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
+from fab.feasible import inradii, rounded_down, rounded_up, scale_bounds, thickness_bounds_mm
 from fab.polygons import are_convex, next_corner
 from fab.setbacks import Setbacks, Sides, sides_of
 from fab.settings import Settings
@@ -30,14 +31,19 @@ from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["PanelSettings", "Panels", "inset", "make_panels", "spans"]
 
+LEAST_THICKNESS_MM = 0.01
 # A side of a panel that is shorter than this after its setbacks is none.
 SHORTEST_SIDE_MM = 0.05
+# A panel stands where a circle of this radius fits into its bottom and its top.
+LEAST_RADIUS_MM = SHORTEST_SIDE_MM / 2
 
 
 class PanelSettings(Settings):
     """Thickness of the panels, where the axes of their hinges lie, and the gaps between them."""
 
-    thickness_mm: float = Field(default=1.6, ge=0.01, le=1000, description="height of the panels")
+    thickness_mm: float = Field(
+        default=1.6, ge=LEAST_THICKNESS_MM, le=1000, description="height of the panels"
+    )
     axis: Literal["bottom", "middle", "offset"] = Field(
         default="bottom", description="where the axes of all hinges lie in the panels"
     )
@@ -120,6 +126,9 @@ def make_panels(
     levels = np.array([low, 0.0, high]) if low < 0 < high else np.array([low, high])
     rings, whole = _rings(sides, back, levels)
     convex = are_convex(sides.start, offsets)
+    radii = [inradii(sides, back.at(z)) for z in heights_mm]
+    room = convex & (np.minimum(*radii) >= LEAST_RADIUS_MM)
+    whole &= room | ~convex
     for face in np.flatnonzero(whole & ~convex & (np.diff(offsets) > 4)).tolist():
         ends = rings[offsets[face] : offsets[face + 1]]
         whole[face] = all(shapely.Polygon(ends[:, k]).is_valid for k in range(len(levels)))
@@ -128,7 +137,7 @@ def make_panels(
     sizes = np.diff(offsets)[whole]
     simple = stacked(rings[chosen], np.concatenate([[0], np.cumsum(sizes)]), levels)
     meshes, cut, shed = [], [], []
-    for face in np.flatnonzero(~whole & convex).tolist():
+    for face in np.flatnonzero(~whole & room).tolist():
         made = _cut(sides, back, heights_mm, face)
         if made is not None:
             meshes.append(made)
@@ -142,8 +151,11 @@ def make_panels(
         faces = faces[order]
     standing = np.zeros(len(offsets) - 1, bool)
     standing[faces] = True
-    findings = _findings(np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64)))
-    return Panels(bodies, faces, heights_mm, sides, back), findings
+    panels = Panels(bodies, faces, heights_mm, sides, back)
+    findings = _findings(
+        panels, np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64))
+    )
+    return panels, findings
 
 
 def _rings(sides: Sides, back: Setbacks, levels: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -182,11 +194,12 @@ def inset(
         sine = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         move = (s1[:, None] * after - s2[:, None] * before) / sine[:, None]
         # straight corners: both sides move alike, or there is no corner to move to
-        straight = (np.abs(sine) < 1e-9) & (s1 == s2)
+        straight = (np.abs(sine) < 1e-9) & (s1 == s2) & ((before * after).sum(axis=1) > 0)
         move[straight] = (s2[:, None] * np.column_stack([-after[:, 1], after[:, 0]]))[straight]
         moved = corners + move
         along = ((moved[following] - moved) * after).sum(axis=1)
-        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2))
+        back = (np.abs(sine) < 1e-9) & ~straight  # where the ring turns back, or has a step
+        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2)) & ~back
     kept = np.logical_and.reduceat(fine, offsets[:-1])
     return moved, kept
 
@@ -218,8 +231,6 @@ def _cut(
     normals, distance = _planes(sides, back, heights_mm, face)
     if not np.isfinite(normals).all() or not np.isfinite(distance).all():
         return None
-    if not all(_room(sides, back, z, face) for z in heights_mm):
-        return None
     rows = slice(sides.offsets[face], sides.offsets[face + 1])
     corners = sides.start[rows]
     prism = stacked(
@@ -228,7 +239,11 @@ def _cut(
         np.array(heights_mm),
     ).mesh(0)
     solid = Manifold(Mesh64(prism.vertices_coords, prism.triangles.astype(np.uint64)))
-    for normal, d in zip(normals[2:], distance[2:].tolist(), strict=True):
+    # vertical walls once, borders of the sheet not at all: cuts along a wall leave idle vertices
+    used = np.unique(np.column_stack([normals, distance]), axis=0, return_index=True)[1]
+    border = np.repeat((back.axis_mm[sides.edges[rows]] == 0.0), 2)
+    for i in np.sort(used[(used >= 2) & ~np.concatenate([[True, True], border])[used]]).tolist():
+        normal, d = normals[i], float(distance[i])
         length = float(np.hypot(np.hypot(*normal[:2]), normal[2]))
         solid = solid.trim_by_plane(tuple((normal / length).tolist()), d / length)
     if solid.is_empty() or solid.num_tri() == 0:
@@ -241,24 +256,6 @@ def _cut(
     return TriangleMesh(coords, triangles, off[triangles].max(axis=1).argmin(axis=1))
 
 
-def _room(sides: Sides, back: Setbacks, z: float, face: int) -> bool:
-    """Whether the section at a height is wider than the shortest side, by a linear program."""
-    from scipy.optimize import linprog
-
-    rows = slice(sides.offsets[face], sides.offsets[face + 1])
-    inward = sides.inward[rows]
-    middle = sides.start[rows].mean(axis=0)
-    far = (inward * (sides.start[rows] - middle)).sum(axis=1) + back.at(z)[sides.edges[rows]]
-    # the widest circle: centre (x, y) and radius r with n . x - r >= far
-    found = linprog(
-        [0.0, 0.0, -1.0],
-        np.column_stack([-inward, np.ones(len(inward))]),
-        -far,
-        bounds=[(None, None), (None, None), (None, None)],
-    )
-    return bool(found.status == 0 and found.x[2] >= SHORTEST_SIDE_MM / 2)
-
-
 def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: int) -> list[int]:
     """Edges under sides of a face that do not reach the axis height of its panel, or its end."""
     z = float(np.clip(0.0, *heights_mm))
@@ -269,16 +266,19 @@ def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: i
 
 
 def spans(
-    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray
+    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray, own_mm: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """From where to where each of some sides runs at a height, in mm from its start, shape (k,).
 
-    The side, moved inwards by its setback, ends where the next one crosses it; in convex faces
+    own_mm : how far inwards it runs, shape (k,); the setbacks of these sides where left out.
+
+    The side, moved inwards so far, ends where the next one crosses it; in convex faces
     any other may. The start comes after the end where nothing is left of it.
     """
     offsets = sides.offsets
     convex = are_convex(sides.start, offsets)
     back_mm = back.at(z_mm)[sides.edges]
+    own_mm = back_mm[rows] if own_mm is None else own_mm
     face = sides.faces[rows]
     low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
     sizes = np.diff(offsets)[face]
@@ -288,7 +288,7 @@ def spans(
         active &= convex[face] | (step == 1) | (step == sizes - 1)
         me = rows[active]
         other = offsets[face[active]] + (me - offsets[face[active]] + step) % sizes[active]
-        point = sides.start[me] + back_mm[me, None] * sides.inward[me]
+        point = sides.start[me] + own_mm[active, None] * sides.inward[me]
         slope = (sides.along[me] * sides.inward[other]).sum(axis=1)
         gap = ((sides.start[other] - point) * sides.inward[other]).sum(axis=1) + back_mm[other]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -309,14 +309,15 @@ def spans(
     return np.where(np.isinf(low) & (low < 0), 0.0, low), np.where(high == np.inf, length, high)
 
 
-def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Finding]:
+def _findings(
+    panels: Panels, without: IntArray, convex: BoolArray, shed: IntArray
+) -> list[Finding]:
     findings = []
     for faces, code, why in (
         (
             without[convex[without]],
             "panel-vanishes",
-            "have no panel: the setbacks of their creases leave nothing of them. Lower "
-            "thickness_mm, gap_mm or clearance_mm, or enlarge the sheet.",
+            "have no panel: the setbacks of their creases leave nothing of them.",
         ),
         (
             without[~convex[without]],
@@ -327,6 +328,8 @@ def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Find
     ):
         if len(faces):
             text = f"{len(faces)} faces {why}"
+            if code == "panel-vanishes":
+                text += f" {_cure(panels, faces)}"
             named = tuple(faces[:20].tolist())
             findings.append(Finding(code, Severity.ERROR, text, panels=named))
     if len(shed):
@@ -340,3 +343,23 @@ def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Find
             )
         )
     return findings
+
+
+def _cure(panels: Panels, faces: IntArray) -> str:
+    """The largest thickness and the smallest sheet with which all of some convex faces have one."""
+    bounds = panels.sides, panels.setbacks, panels.heights_mm, LEAST_RADIUS_MM
+    thickness = thickness_bounds_mm(*bounds)[faces]
+    scale = scale_bounds(*bounds)[faces]
+    cures = []
+    if thickness.min() >= LEAST_THICKNESS_MM:
+        cures.append(f"thickness_mm at most {rounded_down(thickness.min())}")
+    if np.isfinite(scale.max()):
+        cures.append(f"a sheet at least {rounded_up(scale.max())} times as large")
+    if not cures:
+        return "No thickness and no size helps: lower fold_limit_deg."
+    text = f"All of them stand with {', or '.join(cures)}."
+    if len(faces) > 1:
+        text += f" Face {faces[scale.argmax()]} needs most."
+    if len(cures) == 1 and np.isfinite(scale.max()):
+        text += " No thickness helps; lower gap_mm, clearance_mm or fold_limit_deg."
+    return text

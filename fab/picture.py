@@ -11,7 +11,7 @@ import numpy as np
 from fab.crease import CreasePattern, face_normals
 from solver.vectors import FloatArray, norm, unit
 
-__all__ = ["png_bytes"]
+__all__ = ["png_bytes", "principal_axes"]
 
 _INK = {"M": "#d62020", "V": "#2050d6", "F": "#b0b0b0", "B": "#202020"}
 _LIGHT = unit(np.array([-0.4, -0.5, 0.9]))
@@ -34,7 +34,7 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
     edge_count = len(pattern.edges_vertices)
     if folded is not None:
         space: Any = figure.add_axes((0.0, 0.0, 0.5, 1.0), projection="3d", proj_type="ortho")
-        turned = folded @ _principal_axes(folded).T
+        turned = folded @ principal_axes(folded).T
         bounds = pattern.faces_offsets.tolist()
         faces = [turned[pattern.faces_vertices[i:j]] for i, j in pairwise(bounds)]
         space.view_init(elev=35, azim=-60)
@@ -73,7 +73,7 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
     return stream.getvalue()
 
 
-def _principal_axes(coords: FloatArray) -> FloatArray:
+def principal_axes(coords: FloatArray) -> FloatArray:
     """Rotation that lays the two longest directions of a point set flat, rows are the axes."""
     _, vectors = np.linalg.eigh(np.cov((coords - coords.mean(axis=0)).T))
     axes: FloatArray = vectors.T[::-1].copy()

@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 from fab.errors import InvalidJob
 
-__all__ = ["Settings", "checked", "read_toml"]
+__all__ = ["Settings", "apply_change", "checked", "read_toml"]
 
 # Files that people write are a few kilobytes long.
 _LARGEST_BYTES = 1_000_000
@@ -75,6 +75,25 @@ def read_toml(path: Path, cure: str) -> dict[str, Any]:
         return tomllib.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise InvalidJob(f"{path}: not a TOML file: {error}. Correct it there.") from error
+
+
+def apply_change(document: dict[str, Any], change: str) -> None:
+    """Lay a change such as "panels.thickness_mm=1.2" over nested tables. Raises `InvalidJob`."""
+    key, equals, text = change.partition("=")
+    parts = [part.strip() for part in key.split(".")]
+    if not equals or not all(parts):
+        raise InvalidJob(f"--set {change}: must have the form key=value, as in design.strips=4.")
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+        value = parsed["value"] if len(parsed) == 1 else text
+    except (tomllib.TOMLDecodeError, RecursionError):
+        value = text.strip()
+    table = document
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise InvalidJob(f"--set {change}: {part} is a value, not a table.")
+    table[parts[-1]] = value
 
 
 def checked(model: type[Table], document: Mapping[str, Any], source: str, cure: str) -> Table:

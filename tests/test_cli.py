@@ -15,6 +15,8 @@ from helpers import ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
 
 from fab.cli import main
 
+PATTERNS = ROOT / "tests" / "patterns"
+
 
 def names_in(folder) -> list[str]:
     return sorted(path.name for path in Path(folder).iterdir())
@@ -71,6 +73,17 @@ def test_errors_in_the_report_give_exit_code_1_and_all_files(here):
         ["run", TEMPLATES / "curved_fold.toml", "--set", "design.k_deg=1.0"],
         ["run"],
         ["new", "nothing"],
+        ["thicken", "missing.fold"],
+        ["thicken", TEMPLATES / "miura.toml"],
+        ["thicken", PATTERNS / "box.fold", "--set", "panels.thickness_mm=-1"],
+        ["thicken", PATTERNS / "box.fold", "--set", "panels.clearance_mm=-0.1"],
+        ["thicken", PATTERNS / "box.fold", "--set", "hinges.web_mm=3.0"],
+        ["thicken", PATTERNS / "box.fold", "--set", "sheet.width_mm=3.0"],
+        ["thicken", PATTERNS / "box.fold", "--printer", "prusa"],
+        ["thicken", PATTERNS / "box.fold", "--material", "card_300gsm"],
+        ["thicken", PATTERNS / "box.fold", "--only", "dxf"],
+        ["thicken", PATTERNS / "box.fold", "--width-mm", "-5"],
+        ["thicken", PATTERNS / "box.fold", "--width-mm", "5", "--scale", "2"],
         ["check", "missing.fold"],
         ["check", TEMPLATES / "miura.toml"],
         ["unknown"],
@@ -121,6 +134,78 @@ def test_check_measures_a_fold_file(here):
     result = run("check", "flat.fold")
     assert result.exit_code == 2
     assert "no folded frame" in result.output
+
+
+def test_suggest_prints_the_window_and_writes_nothing(here):
+    words = ["--set", "panels.thickness_mm=20.0", "--suggest", "--out", "out"]
+    result = run("run", TEMPLATES / "miura.toml", *words)
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("20 of 80 faces have a panel, at width_mm = 200")
+    most = re.search(r"thickness_mm at most ([\d.]+)", result.output)[1]
+    wide = re.search(r"this thickness with width_mm at least ([\d.]+)", result.output)[1]
+    assert names_in(".") == []
+    for changes in ([f"panels.thickness_mm={most}"], [f"sheet.width_mm={wide}"]):
+        given = ["--set", "panels.thickness_mm=20.0", *(w for c in changes for w in ("--set", c))]
+        again = run("run", TEMPLATES / "miura.toml", "--suggest", *given)
+        assert again.output.startswith("80 of 80 faces have a panel"), again.output
+
+
+@pytest.mark.parametrize("axis", ["bottom", "middle"])
+def test_thicken_makes_files_of_any_fold_file(here, axis):
+    changes = ["panels.fold_limit_deg=120.0", "panels.thickness_mm=1.2", f"panels.axis={axis}"]
+    words = [word for change in changes for word in ("--set", change)]
+    file = PATTERNS / "square_twist.fold"
+    words += ["--printer", "prusa_mk4s", "--material", "pp_filament"]
+    dry = run("thicken", file, *words, "--dry-run", "--only", "stl")
+    assert dry.exit_code == 0, dry.output
+    assert names_in(".") == []
+    result = run("thicken", file, *words, "--width-mm", "150", "--out", "out")
+    assert result.exit_code == 0, result.output
+    kinds = ["3mf", "png", "step", "stl"]
+    names = [f"square_twist_thick.{kind}" for kind in kinds]
+    assert names_in("out") == sorted([*names, "square_twist_thick_report.json"])
+    assert all(name in result.output for name in names)
+    assert "9 panels, 12 hinges, 150 x 150 x 1.2 mm" in result.output
+    assert "warning: fold-blocked" in result.output
+    report = json.loads((here / "out" / "square_twist_thick_report.json").read_text())
+    assert report["settings"]["panels"]["axis"] == axis
+    assert report["printer"]["kind"] == "printer"
+    density = report["material"]["density_kg_m3"] * 1e-6
+    assert report["solids"]["mass_g"] == pytest.approx(report["solids"]["volume_mm3"] * density)
+    assert {output["file"] for output in report["outputs"]} == set(names)
+    left = run("thicken", file, *words, "--set", "panels.thickness_mm=200.0", "--out", "out")
+    assert left.exit_code == 1
+    assert "error: panel-vanishes: 9 faces have no panel" in left.output
+    assert "square_twist_thick.step and 3 more of this name are from an earlier run" in left.output
+
+
+def test_thicken_suggests_a_size_for_a_file(here):
+    file = PATTERNS / "square_twist.fold"
+    words = ["thicken", file, "--set", "panels.fold_limit_deg=150.0", "--suggest"]
+    result = run(*words)
+    assert result.exit_code == 0, result.output
+    wide = re.search(r"this thickness with width_mm at least ([\d.]+)", result.output)[1]
+    assert "9 of 9 faces" in run(*words, "--width-mm", wide).output
+    less = str(0.99 * float(wide))
+    assert "9 of 9 faces" not in run(*words, "--width-mm", less).output
+    assert names_in(".") == []
+
+
+def test_a_job_may_name_its_printer(here):
+    job = (TEMPLATES / "miura.toml").read_text()
+    printer = (TEMPLATES / "machines" / "prusa_mk4s.toml").read_text()
+    Path("mine").mkdir()
+    Path("mine/printer.toml").write_text(printer)
+    table = '[printer]\nmachine = "{}"\nmaterial = "pla_filament"\n'
+    Path("mine/job.toml").write_text(job + table.format("printer.toml"))
+    result = run("run", "mine/job.toml", "--only", "stl", "--out", "out")
+    report = json.loads(Path("out/report.json").read_text())
+    assert report["solids"]["mass_g"] > 0
+    assert "hinge-breaks" in result.output
+    Path("mine/job.toml").write_text(job + table.format("co2_40w_300x200"))
+    result = run("run", "mine/job.toml", "--only", "stl", "--out", "other")
+    assert result.exit_code == 2
+    assert not Path("other").exists()
 
 
 def test_a_sheet_that_crosses_itself_is_warned_of_when_made_and_when_checked(here):
@@ -218,6 +303,21 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
     assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
     for side in re.findall(r"`(curved_fold_1_\w+)`", part):
         assert f"{side}.dxf" in names_in("sheets")
+
+
+def test_the_printer_part_of_the_readme_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Thick panels")[2].partition("\n## ")[0]
+    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+    lines = [line.partition("#")[0].split() for line in block.splitlines()]
+    Path("out").mkdir()
+    Path("out/miura.fold").write_bytes(made_template("miura").files["miura.fold"])
+    Path("theirs.fold").write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    results = [run(*words[1:]) for words in lines]
+    assert [result.exit_code for result in results] == [0, 0, 0], results
+    assert "fold-blocked" in results[2].output
+    kinds = [f"miura_thick.{kind}" for kind in ("3mf", "png", "step", "stl")]
+    assert names_in("solid") == [*kinds, "miura_thick_report.json"]
 
 
 def test_commands_of_the_readme_exist():

@@ -1,0 +1,321 @@
+"""Are all bodies sound, do they stay apart flat, folded and on the way, and can they be printed?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fab.bodies import TriangleMesh
+from fab.errors import Finding, Severity
+from fab.joining import manifolds
+from fab.pairs import OVERLAP_MM3, PairCheck, check_pairs, thick_bodies
+from fab.printability import bed_area_mm2, inspect_print, inspect_webs
+from fab.printers import Printer, PrintMaterial
+from fab.soundness import held_together, inspect_joined, inspect_soundness
+from fab.states import FoldedState, Stage
+from fab.thick import ThickSheet
+from solver.vectors import IntArray
+
+__all__ = ["SolidFigures", "StateFigures", "inspect_thick"]
+
+# Panels without a common crease are close at less than this share of the least promised distance.
+_CLOSE = 0.5
+# Fold angles of states are known to this.
+_ANGLE_DEG = 1e-6
+_NAMED = 10
+
+
+@dataclass(frozen=True)
+class StateFigures:
+    """What was measured in one state.
+
+    Attributes
+    ----------
+    state : its name; share : of the target fold angles.
+    pairs_checked : pairs of bodies with a common crease, or near each other.
+    overlap_max_mm3 : largest common volume of two bodies.
+    clearance_min_mm : least distance of two panels; None where there are not two near each other.
+    closest : the names of these two.
+    """
+
+    state: str
+    share: float
+    pairs_checked: int
+    overlap_max_mm3: float
+    clearance_min_mm: float | None
+    closest: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class SolidFigures:
+    """What the check of the bodies measured.
+
+    Attributes
+    ----------
+    panels, hinges : number of solids; bodies : number of pieces after joining.
+    volume_mm3, flexible_mm3 : of all solids together, and of those that bend.
+    mass_g : of all solids in the print material; None without one.
+    bed_area_mm2 : of the sides that lie on the printer's bed.
+    pairs_checked, overlap_max_mm3 : over all states.
+    clearance_min_mm : least distance of two panels in any state; None where there are not two.
+    states : figures of every state, the flat one first.
+    """
+
+    panels: int
+    hinges: int
+    bodies: int
+    volume_mm3: float
+    flexible_mm3: float
+    mass_g: float | None
+    bed_area_mm2: float
+    pairs_checked: int
+    overlap_max_mm3: float
+    clearance_min_mm: float | None
+    states: tuple[StateFigures, ...]
+
+
+def inspect_thick(
+    sheet: ThickSheet,
+    joined: TriangleMesh,
+    states: Sequence[FoldedState],
+    *,
+    limit_deg: float = 180.0,
+    printer: Printer | None = None,
+    material: PrintMaterial | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> tuple[SolidFigures, list[Finding]]:
+    """Check every body, all pairs of bodies in every state, and whether a printer can print them.
+
+    states : of the sheet's pattern, the flat one first (`fab.states`). From the first one on in
+    which a crease is folded over limit_deg, for which panels are not made, they are left out, and
+    the last one before counts as the target. material : of all bodies. progress : called with
+    (stage, steps done, steps in the stage).
+
+    Bodies that bend are checked flat alone.
+    """
+    tell = progress if progress is not None else lambda *_: None
+    solids = manifolds(sheet.bodies)
+    findings = [*inspect_soundness(sheet, solids), *inspect_joined(sheet, joined)]
+    parts = held_together(sheet)
+    if parts > 1:
+        findings.append(_loose(parts))
+    reached, blocked = _within(sheet, states, limit_deg)
+    findings += blocked
+    every = thick_bodies(sheet, solids, np.arange(len(sheet.bodies)))
+    rigid = thick_bodies(sheet, solids, sheet.rigid)
+    checks: list[PairCheck] = []
+    for number, state in enumerate(reached):
+        tell("clearance", number, len(reached))
+        checks.append(check_pairs(sheet, every if state.stage == Stage.FLAT else rigid, state))
+    tell("clearance", len(reached), len(reached))
+    for check in checks:
+        if check.state.stage != Stage.BETWEEN:
+            findings += _reported(check)
+    findings += _jammed([check for check in checks if check.state.stage == Stage.BETWEEN])
+    if printer is not None:
+        findings += inspect_print(sheet, joined, printer)
+    if material is not None:
+        findings += inspect_webs(sheet, material, limit_deg)
+    return _figures(sheet, joined, parts, [_measured(c) for c in checks], material), findings
+
+
+def _figures(
+    sheet: ThickSheet,
+    joined: TriangleMesh,
+    parts: int,
+    states: list[StateFigures],
+    material: PrintMaterial | None,
+) -> SolidFigures:
+    volumes = sheet.bodies.volumes_mm3()
+    total = float(volumes.sum())
+    count = len(sheet.panels.bodies)
+    return SolidFigures(
+        count,
+        len(sheet.bodies) - count,
+        parts,
+        total,
+        float(volumes[sheet.flexible].sum()),
+        None if material is None else total * material.density_kg_m3 * 1e-6,
+        bed_area_mm2(joined),
+        sum(state.pairs_checked for state in states),
+        max((state.overlap_max_mm3 for state in states), default=0.0),
+        min((s.clearance_min_mm for s in states if s.clearance_min_mm is not None), default=None),
+        tuple(states),
+    )
+
+
+def _loose(parts: int) -> Finding:
+    return Finding(
+        "panels-loose",
+        Severity.ERROR,
+        f"The panels are joined into {parts} bodies, not 1: some have no hinge. "
+        "Lower gap_mm or relief_mm, or enlarge the sheet.",
+    )
+
+
+def _within(
+    sheet: ThickSheet, states: Sequence[FoldedState], limit_deg: float
+) -> tuple[list[FoldedState], list[Finding]]:
+    """The states up to the limit, the last of them as the target; what is blocked beyond."""
+    pattern = sheet.pattern
+    standing = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
+    standing[sheet.panels.faces] = True
+    creases = (pattern.edges_assignment != "C") & standing[pattern.edges_faces].all(axis=1)
+    over = [creases & (np.abs(s.angles_deg) > limit_deg + _ANGLE_DEG) for s in states]
+    first = next((k for k, beyond in enumerate(over) if beyond.any()), None)
+    if first is None:
+        return list(states), []
+    kept = list(states[:first])
+    share = kept[-1].share if kept else 0.0
+    if kept and kept[-1].stage == Stage.BETWEEN:
+        kept[-1] = replace(kept[-1], stage=Stage.TARGET)
+    named = np.flatnonzero(over[first])
+    angle = float(np.abs(states[-1].angles_deg[creases]).max())
+    finding = Finding(
+        "fold-blocked",
+        Severity.WARNING,
+        f"panels fold to {share:.0%} of the target, checked up to there: beyond, {len(named)} "
+        f"creases fold over fold_limit_deg = {limit_deg:g} degrees (at the end {angle:.4g}). Raise "
+        "fold_limit_deg where the panels allow it, or give a pattern that folds less.".replace(
+            "%", " %"
+        ),
+        creases=tuple(named[:20].tolist()),
+    )
+    return kept, [finding]
+
+
+def _measured(check: PairCheck) -> StateFigures:
+    closest = check.closest
+    names: tuple[str, ...] = ()
+    clear = None
+    if closest is not None:
+        clear = float(check.apart_mm[closest])
+        names = tuple(check.names[body] for body in check.pairs[closest])
+    return StateFigures(
+        check.state.name,
+        check.state.share,
+        len(check.pairs),
+        float(check.overlap_mm3.max(initial=0.0)),
+        clear,
+        names,
+    )
+
+
+def _too_near(check: PairCheck) -> IntArray:
+    """Panels across a crease that are nearer than promised, without overlapping."""
+    near = (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
+    return np.flatnonzero(near & (check.overlap_mm3 <= OVERLAP_MM3))
+
+
+def _close(check: PairCheck) -> IntArray:
+    """Other panels that come closer than all creases do, or touch, without overlapping."""
+    other = ~check.may_touch & (check.edges < 0) & (check.overlap_mm3 <= OVERLAP_MM3)
+    return np.flatnonzero(other & (check.apart_mm < _CLOSE * check.wanted_mm))
+
+
+def _named(check: PairCheck, pair: int) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+    """Both bodies in words, their panels and their crease."""
+    one, two = check.pairs[pair].tolist()
+    edge = int(check.edges[pair])
+    across = f" across crease {edge}" if edge >= 0 else ""
+    panels = tuple(int(f) for f in check.faces[[one, two]] if f >= 0)
+    text = f"{check.names[one]} and {check.names[two]}{across}"
+    return text, panels, (edge,) if edge >= 0 else ()
+
+
+def _reported(check: PairCheck) -> list[Finding]:
+    """Findings of the flat state and of the target: the worst pairs of each kind."""
+    flat = check.state.stage == Stage.FLAT
+    cure = (
+        "The flat sheet overlaps itself, or its faces are too thin for their gaps."
+        if flat
+        else "Lower thickness_mm, raise gap_mm or clearance_mm, or fold less."
+    )
+    overlaps = np.flatnonzero(check.overlap_mm3 > OVERLAP_MM3)
+    overlaps = overlaps[np.argsort(-check.overlap_mm3[overlaps], kind="stable")]
+    near, close = (
+        rows[np.argsort(check.apart_mm[rows], kind="stable")]
+        for rows in (_too_near(check), _close(check))
+    )
+    findings = []
+    for code, severity, rows, advice in (
+        ("solids-overlap", Severity.ERROR, overlaps, cure),
+        ("clearance-too-small", Severity.ERROR, near, "Raise gap_mm, or enlarge the sheet."),
+        ("panels-close", Severity.WARNING, close, "Raise gap_mm, or lower thickness_mm."),
+    ):
+        for row in rows[:_NAMED].tolist():
+            text, panels, creases = _named(check, row)
+            if code == "solids-overlap":
+                shared, depth = check.overlap_mm3[row], check.depth_mm[row]
+                measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
+            elif code == "clearance-too-small":
+                measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
+            else:
+                measure = f"are {check.apart_mm[row]:.4g} mm apart, without a common crease"
+            more = f" (one of {len(rows)} pairs)" if len(rows) > _NAMED else ""
+            findings.append(
+                Finding(
+                    code,
+                    severity,
+                    f"{check.state.name}: {text} {measure}{more}. {advice}",
+                    creases,
+                    panels,
+                )
+            )
+    return findings
+
+
+def _jammed(checks: Sequence[PairCheck]) -> list[Finding]:
+    """One finding for all overlaps on the way, and one for all that come too near."""
+    findings = []
+    deep = [
+        (float(check.depth_mm[row]), check, row)
+        for check in checks
+        for row in np.flatnonzero(check.overlap_mm3 > OVERLAP_MM3).tolist()
+    ]
+    if deep:
+        depth, check, row = max(deep, key=lambda item: item[0])
+        text, panels, creases = _named(check, row)
+        findings.append(
+            Finding(
+                "panels-jam",
+                Severity.WARNING,
+                f"panels jam between flat and the target: {_states(deep)}. Worst are {text}, up to "
+                f"{depth:.3g} mm deep {check.state.name}, where rigid panels lie up to "
+                f"{check.state.bend_mm:.3g} mm off the simulated sheet: they bend by as much, or "
+                "do not pass. Raise gap_mm or lower thickness_mm.",
+                creases,
+                panels,
+            )
+        )
+    near = [
+        (float(check.wanted_mm[row] - check.apart_mm[row]), check, row)
+        for check in checks
+        for row in _too_near(check).tolist()
+    ]
+    if near:
+        _, check, row = max(near, key=lambda item: item[0])
+        text, panels, creases = _named(check, row)
+        findings.append(
+            Finding(
+                "clearance-between",
+                Severity.WARNING,
+                f"panels come nearer on the way than at its ends: {_states(near)}. Worst are "
+                f"{text}, {check.apart_mm[row]:.4g} mm apart {check.state.name}, where rigid "
+                f"panels lie up to {check.state.bend_mm:.3g} mm off the simulated sheet. "
+                "Raise gap_mm.",
+                creases,
+                panels,
+            )
+        )
+    return findings
+
+
+def _states(found: Sequence[tuple[float, PairCheck, int]]) -> str:
+    """How many pairs, and in which states."""
+    counts: dict[str, int] = {}
+    for _, check, _ in found:
+        counts[check.state.name] = counts.get(check.state.name, 0) + 1
+    return ", ".join(f"{count} pairs {name}" for name, count in counts.items())

@@ -1,0 +1,164 @@
+"""In which folded states are the faces of a sheet, as rigid panels, between flat and its target?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from fab.bodies import Bodies
+from fab.crease import FLAT_ANGLE_DEG, CreasePattern
+from fab.errors import Finding, Severity
+from fab.poses import face_poses
+from fab.simulation import simulated
+from fab.stiffness import FoldSettings
+from fab.thick import ThickSheet
+from fab.verdict import target_form
+from solver.errors import require_count
+from solver.vectors import FloatArray, cross, dot, norm, unit
+
+__all__ = ["FoldedState", "Stage", "flat_panels", "folded_states", "panels_at", "posed_bodies"]
+
+# Creases so much softer than faces leave these as good as plane wherever the pattern lets them be.
+_CREASE_STIFFNESS = 0.01
+
+
+class Stage(StrEnum):
+    """Which part of the fold a state belongs to."""
+
+    FLAT = "flat"
+    BETWEEN = "between"
+    TARGET = "target"
+
+
+@dataclass(frozen=True)
+class FoldedState:
+    """Where the faces of a pattern are, as rigid bodies.
+
+    Attributes
+    ----------
+    stage : flat, between, or at the target.
+    share : of the target fold angles, 0 to 1.
+    turns, shifts : shapes (nf, 3, 3) and (nf, 3), mm: motions x -> turn x + shift from flat.
+    angles_deg : shape (ne,), fold angles between these faces; 0 where there are not two.
+    bend_mm : largest distance of a corner from where the folded form has it: its faces bend.
+    """
+
+    stage: Stage
+    share: float
+    turns: FloatArray
+    shifts: FloatArray
+    angles_deg: FloatArray
+    bend_mm: float
+
+    @property
+    def name(self) -> str:
+        """Such as "flat", "at 40 % of the fold" and "at the target"."""
+        if self.stage == Stage.FLAT:
+            return "flat"
+        if self.stage == Stage.TARGET and self.share == 1:
+            return "at the target"
+        return f"at {100 * self.share:.0f} % of the fold"
+
+
+def flat_panels(pattern: CreasePattern) -> FoldedState:
+    """The flat state."""
+    count = pattern.face_count
+    turns = np.tile(np.eye(3), (count, 1, 1))
+    angles = np.zeros(len(pattern.edges_vertices))
+    return FoldedState(Stage.FLAT, 0.0, turns, np.zeros((count, 3)), angles, 0.0)
+
+
+def panels_at(
+    pattern: CreasePattern,
+    coords: FloatArray,
+    stage: Stage,
+    share: float,
+    sheet: CreasePattern | None = None,
+) -> FoldedState:
+    """The rigid faces that lie nearest to a folded form.
+
+    coords : shape (nv, 3), mm, of the vertices of `sheet`: the pattern, or with its cuts open
+    (`fab.opened`), which has the same faces.
+    """
+    sheet = pattern if sheet is None else sheet
+    turns, shifts = face_poses(sheet, coords)
+    face = np.repeat(np.arange(sheet.face_count), np.diff(sheet.faces_offsets))
+    flat = sheet.vertices_coords[sheet.faces_vertices]
+    placed = np.squeeze(turns[face, :, :2] @ flat[:, :, None], axis=2) + shifts[face]
+    bend = float(norm(placed - coords[sheet.faces_vertices]).max(initial=0.0))
+    return FoldedState(stage, share, turns, shifts, _angles_deg(pattern, turns), bend)
+
+
+def posed_bodies(sheet: ThickSheet, state: FoldedState) -> Bodies:
+    """The rigid bodies of a thick sheet, in the order of `sheet.rigid`, in a state."""
+    owner = sheet.faces[sheet.rigid]
+    return sheet.bodies.chosen(sheet.rigid).moved(state.turns[owner], state.shifts[owner])
+
+
+def folded_states(
+    pattern: CreasePattern,
+    count: int = 8,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> tuple[list[FoldedState], list[Finding]]:
+    """The flat state, `count` states of the simulated fold between, and the target.
+
+    The target is the pattern's own folded form, or that of its angles where they close, or what it
+    folds to where that has the right angles. Where there is none of them, the end of the fold is
+    a state between. A pattern in which nothing folds has the flat state alone.
+
+    Raises `InvalidValue` where a face has no area.
+    """
+    require_count("count", count, 0, "Check no states between flat and the target, or more.")
+    states = [flat_panels(pattern)]
+    if not (np.abs(pattern.edges_foldAngle) > FLAT_ANGLE_DEG).any():
+        return states, []
+    folding, verdict, _ = simulated(
+        pattern, FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS), progress=progress
+    )
+    sheet, size_mm = folding.frame.sheet.pattern, folding.frame.size_mm
+
+    def add(coords: FloatArray, stage: Stage, share: float) -> None:
+        states.append(panels_at(pattern, coords * size_mm, stage, share, sheet))
+
+    for state in folding.states[1:-1]:
+        add(state.coords, Stage.BETWEEN, state.load)
+    target = target_form(folding.frame)
+    if target is None and verdict.reached:
+        target = folding.states[-1].coords
+    if target is None:
+        add(folding.states[-1].coords, Stage.BETWEEN, 1.0)
+    else:
+        add(target, Stage.TARGET, 1.0)
+    return states, [] if verdict.reached else [_unreached(target is not None)]
+
+
+def _unreached(known: bool) -> Finding:
+    if known:
+        text = (
+            "the simulated fold does not end at the target, so the states that are checked between "
+            "flat and the target need not lie on the way of the sheet; the target itself is exact."
+        )
+    else:
+        text = (
+            "no folded form is known and the simulated fold does not reach the fold angles: panels "
+            "are checked flat and on the way that it finds, not at a target. Give a pattern whose "
+            "angles close, or one with its folded form."
+        )
+    severity = Severity.NOTE if known else Severity.WARNING
+    return Finding("target-not-reached", severity, text)
+
+
+def _angles_deg(pattern: CreasePattern, turns: FloatArray) -> FloatArray:
+    """Fold angles by the convention of `fab.crease`, shape (ne,)."""
+    out = np.zeros(len(pattern.edges_vertices))
+    one, two = pattern.edges_faces.T
+    shared = np.flatnonzero((two >= 0) & (one != two))
+    start, end = pattern.vertices_coords[pattern.edges_vertices[shared]].swapaxes(0, 1)
+    first, second = turns[one[shared]], turns[two[shared]]
+    u = unit(np.squeeze((first + second)[:, :, :2] @ (end - start)[:, :, None], axis=2))
+    n1, n2 = first[:, :, 2], second[:, :, 2]
+    out[shared] = np.degrees(np.arctan2(dot(cross(n2, n1), u), dot(n1, n2)))
+    return out
