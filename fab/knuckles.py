@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from fab.bodies import TriangleMesh
+from fab.bodies import TriangleMesh, bodies_of
 from fab.carving import united
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
@@ -42,8 +42,8 @@ __all__ = ["Knuckles", "make_knuckles", "with_knuckles"]
 
 # Arms reach so far into their panel, with which they are united.
 _REACH_MM = 1e-3
-# Numbers of sides in each part of a panel with knuckles, apart from bottom 0 and top 1.
-_PART = 1000
+# No panel has so many sides of its own.
+_OTHERS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -135,16 +135,20 @@ def with_knuckles(
     for i, face in enumerate(panels.faces.tolist()):
         mesh = panels.bodies.mesh(i)
         if face in parts:
-            bodies = enumerate([mesh, *parts[face]])
-            mesh = united([_told(body, low, high, 2 + k * _PART) for k, body in bodies])
+            # those of several creases stand apart from each other
+            all_parts = bodies_of(parts[face])
+            barrels = TriangleMesh(
+                all_parts.vertices_coords, all_parts.triangles, all_parts.triangles_plane
+            )
+            mesh = united([_told(mesh, low, high), _told(barrels, low, high, _OTHERS)])
         meshes.append(mesh)
     return meshes
 
 
-def _told(mesh: TriangleMesh, low: float, high: float, base: int) -> TriangleMesh:
-    """A part of a panel; its bottom and top have the same number in all parts, 0 and 1."""
+def _told(mesh: TriangleMesh, low: float, high: float, others: int = 2) -> TriangleMesh:
+    """A part of a panel; its bottom is side 0, its top 1, and its other sides follow `others`."""
     z = mesh.vertices_coords[mesh.triangles, 2]
-    own = mesh.triangles_plane - mesh.triangles_plane.min() + base
+    own = mesh.triangles_plane - mesh.triangles_plane.min() + others
     at = [(z == height).all(axis=1) for height in (low, high)]
     return replace(mesh, triangles_plane=np.where(at[0], 0, np.where(at[1], 1, own)))
 
@@ -163,7 +167,7 @@ def _parts(
     pin = circle(none, settings.pin_mm / 2, ROUND_SIDES, around=False)
     first, second = crease_sides(pattern, panels)
     out: dict[int, list[TriangleMesh]] = {}
-    for crease, (low, high), count, width in zip(
+    for crease, (low, _), count, width in zip(
         knuckles.creases.tolist(),
         knuckles.ends.tolist(),
         knuckles.counts.tolist(),
@@ -177,18 +181,15 @@ def _parts(
         starts = low + np.arange(count) * (width + knuckles.play_mm)
         runs = np.column_stack([starts, starts + width])
         length = float(sides.length_mm[first[crease]])
-        for side, profile, chosen in (
-            (int(first[crease]), section, runs[::2]),
+        one, two = int(first[crease]), int(second[crease])
+        for side, made in (
+            (one, _strung(section, pin, runs[::2])),
             # the second face sees its crease the other way round
-            (int(second[crease]), section - bore, length - runs[1::2, ::-1]),
+            (two, _row(section - bore, length - runs[1::2][::-1, ::-1])),
         ):
-            parts = out.setdefault(int(sides.faces[side]), [])
-            parts.append(_along(sides.start[side], sides.along[side], profile, chosen))
-        middles = np.array([[low + width / 2, high - width / 2]])
-        side = int(first[crease])
-        out[int(sides.faces[side])].append(
-            _along(sides.start[side], sides.along[side], pin, middles)
-        )
+            out.setdefault(int(sides.faces[side]), []).append(
+                _placed(made, sides.start[side], sides.along[side])
+            )
     return out
 
 
@@ -206,23 +207,54 @@ def _arm(radius: float, off: float, above: float, below: float) -> shapely.Polyg
     )
 
 
-def _along(
-    start: FloatArray, along: FloatArray, section: shapely.Polygon, runs: FloatArray
-) -> TriangleMesh:
-    """A section, seen along a side with its face to the right of the picture, over some runs.
-
-    runs : from where to where along the side, shape (k, 2); one surface with k parts.
-    """
+def _row(section: shapely.Polygon, runs: FloatArray) -> TriangleMesh:
+    """Bodies of one section over several runs, shape (k, 2), of the third coordinate."""
     one = extruded(section, 0.0, 1.0)
-    x, z, share = one.vertices_coords.T
-    inward = np.array([-along[1], along[0]])
-    place = runs[:, :1] + (runs[:, 1:] - runs[:, :1]) * share
-    flat = start + place[..., None] * along + x[:, None] * inward
-    coords = np.concatenate([flat, np.broadcast_to(z[:, None], (*place.shape, 1))], axis=2)
-    count = len(x)
+    place = runs[:, :1] + (runs[:, 1:] - runs[:, :1]) * one.vertices_coords[:, 2]
+    count = len(one.vertices_coords)
     shift = np.arange(len(runs))[:, None, None] * count
     return TriangleMesh(
-        coords.reshape(-1, 3),
+        np.column_stack([np.tile(one.vertices_coords[:, :2], (len(runs), 1)), place.ravel()]),
         (one.triangles + shift).reshape(-1, 3),
         np.tile(one.triangles_plane, len(runs)),
     )
+
+
+def _strung(section: shapely.Polygon, pin: shapely.Polygon, runs: FloatArray) -> TriangleMesh:
+    """Bodies of one section over several runs, one with the pin that spans the gaps between them.
+
+    They begin as a row with holes in the section of the pin. Walls of a hole, turned round and put
+    between two of them, are those of the pin; the first and the last hole get a lid.
+    """
+    row = _row(section - pin, runs)
+    both = len(row.vertices_coords) // len(runs)
+    count, sides = both // 2, len(pin.exterior.coords) - 1
+    per_run = len(row.triangles) // len(runs)
+    hole = np.isin(row.triangles[:per_run] % count, np.arange(count - sides, count)).all(axis=1)
+    hole &= row.triangles_plane[:per_run] > 1
+    walls, wall_planes = row.triangles[:per_run][hole], row.triangles_plane[:per_run][hole]
+    # from the far end of one body to the near end of the next
+    across = np.where(walls < count, walls + count, walls - count + both)
+    gaps = (across[:, ::-1] + np.arange(len(runs) - 1)[:, None, None] * both).reshape(-1, 3)
+    ring = np.arange(count - sides, count)
+    lid = np.column_stack([np.full(sides - 2, ring[0]), ring[1:-1], ring[2:]])
+    end = len(row.vertices_coords) - count
+    return TriangleMesh(
+        row.vertices_coords,
+        np.concatenate([row.triangles[np.tile(~hole, len(runs))], gaps, lid, lid[:, ::-1] + end]),
+        np.concatenate(
+            [
+                row.triangles_plane[np.tile(~hole, len(runs))],
+                np.tile(wall_planes, len(runs) - 1),
+                np.repeat([0, 1], sides - 2),
+            ]
+        ),
+    )
+
+
+def _placed(mesh: TriangleMesh, start: FloatArray, along: FloatArray) -> TriangleMesh:
+    """A mesh of sections (x into the panel, z) and of places along its side, where they are."""
+    x, z, t = mesh.vertices_coords.T
+    inward = np.array([-along[1], along[0]])
+    flat = start + t[:, None] * along + x[:, None] * inward
+    return replace(mesh, vertices_coords=np.column_stack([flat, z]))

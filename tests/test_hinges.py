@@ -18,6 +18,7 @@ from fab.errors import InvalidJob
 from fab.hinges import HingeSettings, heights_over_axes_mm, vertex_distances
 from fab.job import parse_job
 from fab.joining import joined_mesh, manifold_of, manifolds
+from fab.knuckles import make_knuckles
 from fab.panels import PanelSettings
 from fab.poses import face_poses
 from fab.thick import thicken
@@ -393,3 +394,16 @@ def test_triangles_and_hexagons_take_every_hinge():
             assert common_mm3(sheet.bodies.chosen(sheet.rigid)) < 1e-9
             inner = int((pattern.edges_faces[:, 1] >= 0).sum())
             assert len(sheet.held) == (0 if kind == "none" else inner)
+
+
+def test_barrels_keep_behind_the_other_creases_up_to_their_axis():
+    """Corners of 120 degrees: on the axis, (R + play) / sin 120 from the vertex is the nearest."""
+    angle = np.arange(6) * np.pi / 3
+    pattern = ringed(40 * np.column_stack([np.cos(angle), np.sin(angle)]), 0.0)
+    hinge = HingeSettings(kind="knuckle")
+    sheet, _ = thicken(pattern, THICK, hinge)
+    knuckles, findings = make_knuckles(pattern, sheet.panels, hinge)
+    assert findings == []
+    sides = (pattern.edges_vertices[knuckles.creases] < 6).all(axis=1)
+    nearest = (2 / np.cos(np.pi / 8) + 0.25) / np.sin(2 * np.pi / 3) + 0.3
+    assert knuckles.ends[sides] == pytest.approx(np.tile([nearest, 40 - nearest], (6, 1)))
