@@ -133,11 +133,12 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     least = float(promised.min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
-    pairs, mate = _pairs(those, near_pairs(bodies, least))
+    near = near_pairs(bodies, least)
+    near = near[~_may_touch(those, near) | _boxes_meet(bodies, near)]
+    pairs, mate = _pairs(those, near)
     one, two = pairs.T
     edges = np.where(mate >= 0, those.mates_edge[mate] if len(those.mates) else -1, -1)
-    touch = (those.faces[one] == those.faces[two]) | (those.faces[pairs] < 0).any(axis=1)
-    touch |= (those.creases[pairs] >= 0).any(axis=1)
+    touch = _may_touch(those, pairs)
     wanted = np.full(len(pairs), least)
     # two faces that bend lie that much nearer or farther than simulated
     kept = _KEPT * promised[mate[mate >= 0]] - 2 * state.bend_mm
@@ -202,6 +203,19 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
     return np.maximum(out[those.mates_edge], 0.0)
+
+
+def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:
+    """Bodies of one face, and hinges with whatever they are near to."""
+    one, two = those.faces[pairs].T
+    hinge = (those.faces < 0) | (those.creases >= 0)
+    return np.asarray((one == two) | hinge[pairs].any(axis=1))
+
+
+def _boxes_meet(bodies: Bodies, pairs: IntArray) -> BoolArray:
+    low, high = bodies.boxes()
+    one, two = pairs.T
+    return np.asarray(((low[one] <= high[two]) & (low[two] <= high[one])).all(axis=1))
 
 
 def _pairs(those: ThickBodies, near: IntArray) -> tuple[IntArray, IntArray]:
