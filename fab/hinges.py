@@ -1,29 +1,54 @@
-"""What joins two panels along their crease?
+"""What joins two panels along their crease, and how far must they stay away for it?
 
-A web: a thin strip across the gap at the height of the axes, ending before the corners of both
-panels, so that the vertices of the pattern stay open.
+Four kinds: a `web`, a thin strip across the gap (`fab.webs`); a `knuckle`, barrels of both panels
+around a pin, printed in place (`fab.knuckles`); a `film` below all panels (`fab.film`); `none`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field
 
-from fab.bodies import Bodies, stacked
 from fab.crease import CreasePattern
-from fab.errors import Finding, Severity
-from fab.panels import Panels, spans
+from fab.errors import InvalidJob
+from fab.panels import Panels, PanelSettings, inset, spans
 from fab.settings import Settings
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["HingeSettings", "Webs", "crease_sides", "make_webs", "web_setbacks"]
+__all__ = [
+    "HingeKind",
+    "HingeSettings",
+    "barrel_radius_mm",
+    "crease_kinds",
+    "crease_runs",
+    "crease_sides",
+    "heights_over_axes_mm",
+    "hinge_setbacks",
+    "hole_radius_mm",
+    "vertex_distances",
+]
+
+HingeKind: TypeAlias = Literal["web", "knuckle", "film", "none"]
+
+# Pins and holes are printed as prisms with so many sides; pins lie within their circle and holes
+# around it, so that they turn with all of their play.
+ROUND_SIDES = 24
+# Barrels have so many sides: one lies on the bed and those beside it rise at 45 degrees.
+BARREL_SIDES = 8
 
 
 class HingeSettings(Settings):
-    """Web hinges."""
+    """Which hinges creases get, and how they are made."""
 
+    kind: HingeKind = Field(default="web", description="hinge of all creases")
+    mountain: HingeKind | None = Field(default=None, description="hinge of mountains; else kind")
+    valley: HingeKind | None = Field(default=None, description="hinge of valleys; else kind")
+    flat: HingeKind | None = Field(
+        default=None, description="hinge of creases that are neither; else kind"
+    )
     web_mm: float = Field(
         default=0.4, ge=0.01, le=1000, description="thickness of the web: one or two layers"
     )
@@ -31,94 +56,123 @@ class HingeSettings(Settings):
         default=0.3,
         ge=0.01,
         le=1000,
-        description="from the end of a web to the nearest panel corner or vertex",
+        description="from the end of a hinge to the nearest panel corner; of webs, to the "
+        "farthest panel corner at their vertex",
     )
     strain_max: float = Field(
         default=0.5,
         gt=0,
         le=10,
-        description="how far the outside of a web may stretch; it is made long enough",
+        description="how far the outside of a web or film may stretch; it is made long enough",
+    )
+    knuckle_mm: float = Field(
+        default=4.0, ge=0.1, le=1000, description="least length of a barrel, along its crease"
+    )
+    pin_mm: float = Field(default=1.2, ge=0.1, le=1000, description="diameter of the pin")
+    play_mm: float = Field(
+        default=0.25,
+        ge=0.01,
+        le=100,
+        description="gap around a pin, between barrels, and from barrels to the other panel",
+    )
+    wall_mm: float = Field(
+        default=0.6, ge=0.01, le=1000, description="least wall around the hole of a barrel or panel"
+    )
+    film_mm: float = Field(
+        default=0.2, ge=0.01, le=1000, description="thickness of the film or fabric"
+    )
+    hole_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=1000,
+        description="diameter of a hole through each panel, to align it by; 0 for none",
     )
 
+    @property
+    def kinds(self) -> tuple[HingeKind, HingeKind, HingeKind]:
+        """Of mountains, of valleys and of other creases."""
+        return self.mountain or self.kind, self.valley or self.kind, self.flat or self.kind
 
-@dataclass(frozen=True)
-class Webs:
-    """The webs of a pattern.
 
-    Attributes
-    ----------
-    bodies : one for each web, from panel to panel.
-    creases : the edge of each web, shape (n,).
-    ends : shape (n, 2), from where to where it runs, mm along its crease.
-    heights_mm : bottom and top of all webs, over the axes.
+def hole_radius_mm(settings: HingeSettings) -> float:
+    """From the axis to the farthest corner of the hole in a barrel."""
+    return float((settings.pin_mm / 2 + settings.play_mm) / np.cos(np.pi / ROUND_SIDES))
+
+
+def barrel_radius_mm(panel: PanelSettings) -> float:
+    """From the axis to the farthest corner of a barrel as high as its panels."""
+    return float(panel.thickness_mm / 2 / np.cos(np.pi / BARREL_SIDES))
+
+
+def heights_over_axes_mm(panel: PanelSettings, hinge: HingeSettings) -> tuple[float, float]:
+    """Bottom and top of the panels over the axes of their hinges; a film has them in its middle.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
     """
-
-    bodies: Bodies
-    creases: IntArray
-    ends: FloatArray
-    heights_mm: tuple[float, float]
-
-
-def web_setbacks(pattern: CreasePattern, settings: HingeSettings) -> FloatArray:
-    """Setback that the web of each crease needs, mm, shape (ne,).
-
-    A web of thickness w and length 2 s bent by rho stretches its outside by w rho / (4 s).
-    """
-    rho = np.abs(np.radians(pattern.edges_foldAngle))
-    return np.asarray(settings.web_mm * rho / (4 * settings.strain_max))
-
-
-def make_webs(
-    pattern: CreasePattern, panels: Panels, settings: HingeSettings, overlap_mm: float = 0.0
-) -> tuple[Webs, list[Finding]]:
-    """One web for each crease that has panels on both sides and room between their corners.
-
-    overlap_mm : how far webs reach into their panels, for joining them to one body.
-    """
-    low_mm, high_mm = panels.heights_mm
-    below = float(np.clip(-settings.web_mm / 2, low_mm, high_mm - settings.web_mm))
-    heights = below, below + settings.web_mm
-    levels = np.array([below, 0.0, heights[1]]) if below < 0 < heights[1] else np.array(heights)
-    first, second = crease_sides(pattern, panels)
-    creases = np.flatnonzero((first >= 0) & (second >= 0))
-    ends = pattern.vertices_coords[pattern.edges_vertices[creases]]
-    u = ends[:, 1] - ends[:, 0]
-    length = np.hypot(*u.T)
-    u /= length[:, None]
-    normal = np.column_stack([-u[:, 1], u[:, 0]])
-    low, high = np.zeros(len(creases)), length.copy()  # webs stay between the ends of their crease
-    for z in levels.tolist():
-        # the first face runs along its crease, the second one against it
-        start, end = spans(panels.sides, panels.setbacks, z, first[creases])
-        low, high = np.maximum(low, start), np.minimum(high, end)
-        start, end = spans(panels.sides, panels.setbacks, z, second[creases])
-        low, high = np.maximum(low, length - end), np.minimum(high, length - start)
-    low, high = low + settings.relief_mm, high - settings.relief_mm
-    fits = high - low >= settings.web_mm
-    findings = _missing(creases[~fits])
-    creases, origin, u, normal, low, high = (
-        a[fits] for a in (creases, ends[:, 0], u, normal, low, high)
-    )
-    off = np.stack([panels.setbacks.at(z)[creases] for z in levels.tolist()], axis=1) + overlap_mm
-    along = np.stack([high, low, low, high], axis=1)[:, :, None, None] * u[:, None, None]
-    across = np.stack([off, off, -off, -off], axis=1)[..., None] * normal[:, None, None]
-    rings = (origin[:, None, None] + along + across).reshape(-1, len(levels), 2)
-    bodies = stacked(rings, np.arange(len(creases) + 1) * 4, levels)
-    return Webs(bodies, creases, np.column_stack([low, high]), heights), findings
-
-
-def _missing(creases: IntArray) -> list[Finding]:
-    if not len(creases):
-        return []
-    return [
-        Finding(
-            "hinge-missing",
-            Severity.WARNING,
-            f"{len(creases)} creases are too short for a web between their panels' corners. "
-            "Lower gap_mm or relief_mm, or enlarge the sheet.",
-            creases=tuple(creases[:20].tolist()),
+    thickness, kinds = panel.thickness_mm, set(hinge.kinds)
+    low, high = panel.heights_mm
+    if "film" in kinds and len(kinds) > 1:
+        raise InvalidJob(
+            f"hinges.kind = film with other hinges ({', '.join(sorted(kinds - {'film'}))}) on some "
+            "creases: a film lies under all of them. Give film to all or to none"
         )
-    ]
+    if "film" in kinds and panel.axis != "bottom":
+        raise InvalidJob(
+            f"panels.axis = {panel.axis} with hinges.kind = film: the axes lie in the film. Leave "
+            "panels.axis out"
+        )
+    if "web" in kinds and hinge.web_mm >= thickness:
+        raise InvalidJob(
+            f"hinges.web_mm = {hinge.web_mm:g} must be below panels.thickness_mm = "
+            f"{thickness:g}: a web is thinner than its panels"
+        )
+    if "web" in kinds and not low <= 0 <= high:
+        raise InvalidJob(
+            f"panels.axis_mm = {panel.axis_mm:g} must be 0 to panels.thickness_mm = {thickness:g} "
+            "for webs: they lie at the axis. Change it, or hinges.kind"
+        )
+    if "knuckle" in kinds:
+        least = 2 * (hole_radius_mm(hinge) + hinge.wall_mm)
+        if low != -high:
+            raise InvalidJob(
+                f"panels.axis = {panel.axis} with knuckles: their axis lies in the middle. Set "
+                "panels.axis = middle, or change hinges.kind"
+            )
+        if thickness < least:
+            raise InvalidJob(
+                f"panels.thickness_mm = {thickness:g} must be at least {least:.4g} for knuckles: "
+                "twice pin_mm / 2 + play_mm + wall_mm, and a little for corners. Raise it, or "
+                "lower those"
+            )
+    return (hinge.film_mm / 2, hinge.film_mm / 2 + thickness) if "film" in kinds else (low, high)
+
+
+def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.str_]:
+    """The kind of hinge of every edge, shape (ne,); none at borders, cuts, and within a face."""
+    mountain, valley, flat = settings.kinds
+    letter = pattern.edges_assignment
+    out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
+    one, two = pattern.edges_faces.T
+    out[(two < 0) | (one == two) | (letter == "C")] = "none"
+    return out
+
+
+def hinge_setbacks(
+    pattern: CreasePattern, panel: PanelSettings, settings: HingeSettings
+) -> FloatArray:
+    """Setback that the hinge of each crease needs, mm, shape (ne,).
+
+    A web or film of thickness w and length 2 s bent by rho stretches its outside by
+    w rho / (4 s). Knuckles need room for the barrels of the other panel.
+    """
+    kinds = crease_kinds(pattern, settings)
+    rho = np.abs(np.radians(pattern.edges_foldAngle))
+    rho = np.minimum(rho, np.radians(panel.fold_limit_deg))
+    out = np.zeros(len(rho))
+    for kind, thickness in (("web", settings.web_mm), ("film", settings.film_mm)):
+        out[kinds == kind] = (thickness * rho / (4 * settings.strain_max))[kinds == kind]
+    out[kinds == "knuckle"] = barrel_radius_mm(panel) + settings.play_mm
+    return out
 
 
 def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntArray]:
@@ -142,3 +196,46 @@ def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntA
     first[edge[side[is_first]]] = side[is_first]
     second[edge[side[~is_first]]] = side[~is_first]
     return first, second
+
+
+def crease_runs(
+    panels: Panels, one: IntArray, two: IntArray, levels_mm: FloatArray, up_to_axis: bool
+) -> FloatArray:
+    """From where to where both panels stand along some creases at all levels, mm, shape (k, 2).
+
+    one, two : sides of the creases in their first and second faces. up_to_axis : whether there must
+    be room from the panels up to the axis, between the setbacks of their other creases.
+    """
+    length = panels.sides.length_mm[one]
+    low, high = np.zeros(len(one)), length.copy()  # hinges stay between the ends of their crease
+    for z in levels_mm.tolist():
+        own = panels.setbacks.at(z)[panels.sides.edges[one]]
+        for across in (own, np.zeros(len(one))) if up_to_axis else (own,):
+            # the first face runs along its crease, the second one against it
+            start, end = spans(panels.sides, panels.setbacks, z, one, across)
+            low, high = np.maximum(low, start), np.minimum(high, end)
+            start, end = spans(panels.sides, panels.setbacks, z, two, across)
+            low, high = np.maximum(low, length - end), np.minimum(high, length - start)
+    return np.column_stack([low, high])
+
+
+def vertex_distances(
+    pattern: CreasePattern, panels: Panels, levels_mm: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Least and largest distance of panel corners from their vertex, mm, shapes (nv,).
+
+    At a corner of angle a between setbacks s1 and s2: sqrt(s1^2 + s2^2 + 2 s1 s2 cos a) / sin a.
+    Of panels that keep all sides; infinite and 0 where there is none.
+    """
+    sides, back = panels.sides, panels.setbacks
+    least = np.full(len(pattern.vertices_coords), np.inf)
+    largest = np.zeros(len(pattern.vertices_coords))
+    standing = np.zeros(pattern.face_count, bool)
+    standing[panels.faces] = True
+    for z in levels_mm.tolist():
+        moved, kept = inset(sides.start, sides.offsets, back.at(z)[sides.edges])
+        chosen = np.repeat(kept & standing, np.diff(sides.offsets))
+        far = np.hypot(*(moved - sides.start)[chosen].T)
+        np.maximum.at(largest, pattern.faces_vertices[chosen], far)
+        np.minimum.at(least, pattern.faces_vertices[chosen], far)
+    return least, largest

@@ -14,7 +14,7 @@ from pydantic import Field, PrivateAttr, create_model, model_validator
 
 from fab.development import Development
 from fab.errors import InvalidJob
-from fab.hinges import HingeSettings
+from fab.hinges import HingeSettings, heights_over_axes_mm
 from fab.panels import PanelSettings
 from fab.perforation import PerforationSettings
 from fab.settings import Settings, checked, read_toml
@@ -163,12 +163,8 @@ class Job(Settings):
         return self._folder
 
     @model_validator(mode="after")
-    def _web_below_panel(self) -> Job:
-        if self.hinges.web_mm >= self.panels.thickness_mm:
-            raise ValueError(
-                f"hinges.web_mm = {self.hinges.web_mm:g} must be below panels.thickness_mm = "
-                f"{self.panels.thickness_mm:g}: a web is thinner than its panels"
-            )
+    def _hinges_fit_panels(self) -> Job:
+        heights_over_axes_mm(self.panels, self.hinges)
         return self
 
 

@@ -182,11 +182,12 @@ def inset(
         sine = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         move = (s1[:, None] * after - s2[:, None] * before) / sine[:, None]
         # straight corners: both sides move alike, or there is no corner to move to
-        straight = (np.abs(sine) < 1e-9) & (s1 == s2)
+        straight = (np.abs(sine) < 1e-9) & (s1 == s2) & ((before * after).sum(axis=1) > 0)
         move[straight] = (s2[:, None] * np.column_stack([-after[:, 1], after[:, 0]]))[straight]
         moved = corners + move
         along = ((moved[following] - moved) * after).sum(axis=1)
-        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2))
+        back = (np.abs(sine) < 1e-9) & ~straight  # where the ring turns back, or has a step
+        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2)) & ~back
     kept = np.logical_and.reduceat(fine, offsets[:-1])
     return moved, kept
 
@@ -228,7 +229,11 @@ def _cut(
         np.array(heights_mm),
     ).mesh(0)
     solid = Manifold(Mesh64(prism.vertices_coords, prism.triangles.astype(np.uint64)))
-    for normal, d in zip(normals[2:], distance[2:].tolist(), strict=True):
+    # vertical walls once, borders of the sheet not at all: cuts along a wall leave idle vertices
+    used = np.unique(np.column_stack([normals, distance]), axis=0, return_index=True)[1]
+    border = np.repeat((back.axis_mm[sides.edges[rows]] == 0.0), 2)
+    for i in np.sort(used[(used >= 2) & ~np.concatenate([[True, True], border])[used]]).tolist():
+        normal, d = normals[i], float(distance[i])
         length = float(np.hypot(np.hypot(*normal[:2]), normal[2]))
         solid = solid.trim_by_plane(tuple((normal / length).tolist()), d / length)
     if solid.is_empty() or solid.num_tri() == 0:
@@ -269,16 +274,19 @@ def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: i
 
 
 def spans(
-    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray
+    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray, own_mm: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """From where to where each of some sides runs at a height, in mm from its start, shape (k,).
 
-    The side, moved inwards by its setback, ends where the next one crosses it; in convex faces
+    own_mm : how far inwards it runs, shape (k,); the setbacks of these sides where left out.
+
+    The side, moved inwards so far, ends where the next one crosses it; in convex faces
     any other may. The start comes after the end where nothing is left of it.
     """
     offsets = sides.offsets
     convex = are_convex(sides.start, offsets)
     back_mm = back.at(z_mm)[sides.edges]
+    own_mm = back_mm[rows] if own_mm is None else own_mm
     face = sides.faces[rows]
     low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
     sizes = np.diff(offsets)[face]
@@ -288,7 +296,7 @@ def spans(
         active &= convex[face] | (step == 1) | (step == sizes - 1)
         me = rows[active]
         other = offsets[face[active]] + (me - offsets[face[active]] + step) % sizes[active]
-        point = sides.start[me] + back_mm[me, None] * sides.inward[me]
+        point = sides.start[me] + own_mm[active, None] * sides.inward[me]
         slope = (sides.along[me] * sides.inward[other]).sum(axis=1)
         gap = ((sides.start[other] - point) * sides.inward[other]).sum(axis=1) + back_mm[other]
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -41,10 +41,12 @@ def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:
 
 
 def are_convex(corners: FloatArray, offsets: IntArray) -> BoolArray:
-    """Whether each counterclockwise ring nowhere turns right, up to rounding, shape (n,)."""
+    """Whether each counterclockwise ring nowhere turns right or back, shape (n,)."""
     following = next_corner(offsets)
     side = corners[following] - corners
     turn = side[:, 0] * side[following, 1] - side[:, 1] * side[following, 0]
     size = np.hypot(*side.T) * np.hypot(*side[following].T)
-    out: BoolArray = np.logical_and.reduceat(turn >= -1e-9 * size, offsets[:-1])
+    onward = (side * side[following]).sum(axis=1) > 0
+    fine = (turn > 1e-9 * size) | (onward & (turn >= -1e-9 * size))
+    out: BoolArray = np.logical_and.reduceat(fine, offsets[:-1])
     return out

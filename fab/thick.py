@@ -6,19 +6,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.bodies import Bodies, concatenated
+from fab.bodies import Bodies, bodies_of, concatenated
 from fab.crease import CreasePattern
 from fab.errors import Finding
-from fab.hinges import HingeSettings, make_webs, web_setbacks
+from fab.film import make_film
+from fab.hinges import (
+    HingeSettings,
+    crease_kinds,
+    crease_sides,
+    heights_over_axes_mm,
+    hinge_setbacks,
+)
+from fab.holes import drilled
+from fab.knuckles import make_knuckles, with_knuckles
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
-from fab.setbacks import setbacks
+from fab.setbacks import Setbacks, setbacks
+from fab.webs import make_webs
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["ThickSheet", "thicken"]
-
-# Webs reach so far into their panels where both become one body.
-_OVERLAP_MM = 1e-3
+__all__ = ["ThickSheet", "heights_and_setbacks", "thicken"]
 
 
 @dataclass(frozen=True)
@@ -27,13 +34,15 @@ class ThickSheet:
 
     Attributes
     ----------
-    pattern : in mm; panels : what stands on its faces.
-    bodies : all solids; names : such as "panel_3" and "hinge_12", by face and by edge.
-    faces : shape (n,), the face that each body moves with; -1 where it bends, as webs do.
-    creases : shape (n,), the edge that each body belongs to; -1 for panels.
+    pattern : in mm; panels : what stands on its faces, without hinges.
+    bodies : all solids: first one for each panel, with its knuckles, then webs, then films.
+    names : such as "panel_3", "hinge_12" and "film_0", by face and by edge.
+    faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
+    creases : shape (n,), the edge that a web belongs to; -1 for others.
     flexible : shape (n,), whether it is of the second, softer material.
+    held : shape (k,), the edges whose two panels hold together by a hinge of any kind.
     joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
-        those that are one with a panel reach into it.
+        webs reach into their panels. Panels stand on a film without a gap.
     """
 
     pattern: CreasePattern
@@ -43,6 +52,7 @@ class ThickSheet:
     faces: IntArray
     creases: IntArray
     flexible: BoolArray
+    held: IntArray
     joining: Bodies
 
     @property
@@ -60,35 +70,65 @@ class ThickSheet:
         return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
 
 
-def thicken(
+def heights_and_setbacks(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
-) -> tuple[ThickSheet, list[Finding]]:
-    """Panels and hinges of a pattern, and what is to be told of them."""
-    heights = panel.heights_mm
+) -> tuple[tuple[float, float], Setbacks]:
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights = heights_over_axes_mm(panel, hinge)
     back = setbacks(
         pattern,
         heights,
         gap_mm=panel.gap_mm,
         clearance_mm=panel.clearance_mm,
-        hinge_mm=web_setbacks(pattern, hinge),
+        hinge_mm=hinge_setbacks(pattern, panel, hinge),
         limit_deg=panel.fold_limit_deg,
     )
+    return heights, back
+
+
+def thicken(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels and hinges of a pattern, and what is to be told of them.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights, back = heights_and_setbacks(pattern, panel, hinge)
     panels, findings = make_panels(pattern, heights, back)
-    webs, missing = make_webs(pattern, panels, hinge)
-    reaching, _ = make_webs(pattern, panels, hinge, _OVERLAP_MM)
-    count, hinges = len(panels.bodies), len(webs.bodies)
+    webs, without = make_webs(pattern, panels, hinge)
+    findings += without
+    knuckles, without = make_knuckles(pattern, panels, hinge)
+    findings += without
+    rigid = panels
+    if hinge.hole_mm > 0:
+        rigid, without = drilled(panels, hinge.hole_mm, hinge.wall_mm)
+        findings += without
+    stiff = rigid.bodies
+    if len(knuckles.creases):
+        stiff = bodies_of(with_knuckles(pattern, rigid, knuckles, hinge))
+    held = [webs.creases, knuckles.creases]
+    film = bodies_of([])
+    if "film" in hinge.kinds and len(panels.bodies):
+        film = make_film(pattern, panels, hinge, panel.gap_mm)
+        first, second = crease_sides(pattern, panels)
+        under = crease_kinds(pattern, hinge) == "film"
+        held.append(np.flatnonzero((first >= 0) & (second >= 0) & under))
+    counts = len(stiff), len(webs.bodies), len(film)
     names = [f"panel_{face}" for face in panels.faces] + [f"hinge_{e}" for e in webs.creases]
-    none = np.full(count, -1)
     return (
         ThickSheet(
             pattern,
             panels,
-            concatenated([panels.bodies, webs.bodies]),
-            tuple(names),
-            np.concatenate([panels.faces, np.full(hinges, -1)]),
-            np.concatenate([none, webs.creases]),
-            np.arange(count + hinges) >= count,
-            concatenated([panels.bodies, reaching.bodies]),
+            concatenated([stiff, webs.bodies, film]),
+            (*names, *(f"film_{i}" for i in range(len(film)))),
+            np.concatenate([panels.faces, np.full(sum(counts[1:]), -1)]),
+            np.concatenate([np.full(counts[0], -1), webs.creases, np.full(counts[2], -1)]),
+            np.arange(sum(counts)) >= counts[0],
+            np.sort(np.concatenate(held)),
+            concatenated([stiff, webs.reaching, film]),
         ),
-        findings + missing,
+        findings,
     )
