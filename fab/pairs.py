@@ -15,7 +15,7 @@ import numpy as np
 from fab.bodies import Bodies
 from fab.separation import apart_along, apart_at_least, near_pairs
 from fab.setbacks import Setbacks
-from fab.states import FoldedState, Stage
+from fab.states import FoldedState, Stage, flat_panels
 from fab.thick import ThickSheet
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, unit
 
@@ -41,6 +41,7 @@ class ThickBodies:
     bodies, solids : the same, as arrays and for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.
+    linked : shape (k,), whether they reach past the crease into each other, as knuckles do.
     """
 
     bodies: Bodies
@@ -50,6 +51,7 @@ class ThickBodies:
     creases: IntArray
     mates: IntArray
     mates_edge: IntArray
+    linked: BoolArray
 
 
 @dataclass(frozen=True)
@@ -97,14 +99,18 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     mates = place[sheet.pattern.edges_faces]
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
     all_of_them = len(chosen) == len(sheet.bodies)
+    bodies = sheet.bodies if all_of_them else sheet.bodies.chosen(chosen)
+    mates = np.sort(mates[edges], axis=1)
+    past = apart_along(bodies, mates, _between(sheet, flat_panels(sheet.pattern), edges)) < 0
     return ThickBodies(
-        sheet.bodies if all_of_them else sheet.bodies.chosen(chosen),
+        bodies,
         [solids[body] for body in chosen.tolist()],
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,
         creases,
-        np.sort(mates[edges], axis=1),
+        mates,
         edges,
+        past & np.isin(edges, sheet.held) & ~np.isin(edges, sheet.creases),
     )
 
 
@@ -130,7 +136,7 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     if state.stage != Stage.FLAT:
         bodies = bodies.moved(state.turns[moving], state.shifts[moving])
     promised = _promised(sheet, those, state)
-    least = float(promised.min(initial=np.inf))
+    least = float(promised[~those.linked].min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
     near = near_pairs(bodies, least)
@@ -193,7 +199,7 @@ class _Placed:
 
 
 def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> FloatArray:
-    """What the setbacks promise to panels across a crease, shape (k,), mm.
+    """What the setbacks promise to panels across a crease, shape (k,), mm; 0 where they are linked.
 
     Between flat and the target it is the least of what they promise there and at the target.
     """
@@ -202,7 +208,7 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     out = promised_mm(back, heights, state.angles_deg)
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
-    return np.maximum(out[those.mates_edge], 0.0)
+    return np.where(those.linked, 0.0, np.maximum(out[those.mates_edge], 0.0))
 
 
 def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:

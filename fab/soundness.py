@@ -82,14 +82,12 @@ def parts_of(bodies: Bodies) -> IntArray:
 
 
 def held_together(sheet: ThickSheet) -> int:
-    """Number of bodies that the panels make with their hinges; what is of no crease joins all."""
+    """Number of bodies that the panels make with their hinges of any kind."""
     panels = sheet.panels.faces
     size = len(panels)
-    loose = (sheet.faces < 0) & (sheet.creases < 0)
-    if not size or loose.any():
-        return min(size, 1)
-    creases = np.unique(sheet.creases[sheet.creases >= 0])
-    pairs = sheet.pattern.edges_faces[creases]
+    if not size:
+        return 0
+    pairs = sheet.pattern.edges_faces[sheet.held]
     one, two = np.searchsorted(panels, pairs.T)
     graph = coo_array((np.ones(len(one)), (one, two)), shape=(size, size))
     return int(connected_components(graph, directed=False)[0])
