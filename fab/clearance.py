@@ -205,7 +205,7 @@ def _measured(check: PairCheck) -> StateFigures:
 
 def _too_near(check: PairCheck) -> IntArray:
     """Panels across a crease that are nearer than promised, without overlapping."""
-    near = (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
+    near = ~check.may_touch & (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
     return np.flatnonzero(near & (check.overlap_mm3 <= OVERLAP_MM3))
 
 

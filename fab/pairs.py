@@ -28,6 +28,8 @@ __all__ = ["OVERLAP_MM3", "PairCheck", "ThickBodies", "check_pairs", "promised_m
 OVERLAP_MM3 = 1e-6
 # Distances may fall short of what setbacks promise by rounding alone.
 _KEPT = 0.97
+# Distances are measured up to this multiple of what is wanted, or known to be.
+_REACH = 1.5
 # The closest pair is told to this.
 _TOLD = 1e-6
 
@@ -63,7 +65,7 @@ class PairCheck:
     state : which. names : of all bodies; faces : the face of each, -1 for those that bend.
     pairs : shape (n, 2), those with a common crease, and all others near each other.
     edges : shape (n,), the common crease of two panels; -1 where there is none.
-    may_touch : shape (n,), for bodies of one face, and for hinges.
+    may_touch : shape (n,), for bodies of one face, for hinges, and on the way for linked panels.
     wanted_mm : shape (n,), the distance that each pair must keep.
     apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair.
     overlap_mm3 : shape (n,), common volume. depth_mm : shape (n,), how deep they reach into each
@@ -164,13 +166,18 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     depth = np.maximum(-apart, 0.0)
     placed = _Placed(those, state, {})
     overlap = np.zeros(len(pairs))
+    exact = (apart < wanted) & ~touch
+    if state.stage == Stage.BETWEEN:
+        # on the way it is enough for knuckles that they do not overlap
+        linked = np.isin(mate, np.flatnonzero(those.linked))
+        touch, exact = touch | linked, exact & ~linked
     for pair in np.flatnonzero(apart < wanted).tolist():
         first, second = pairs[pair].tolist()
-        if not touch[pair]:
-            apart[pair] = placed.apart(first, second, 4 * max(wanted[pair], least))
+        if exact[pair]:
+            apart[pair] = placed.apart(first, second, _REACH * max(wanted[pair], least))
         if touch[pair] or apart[pair] == 0.0:
             overlap[pair] = (placed.solid(first) ^ placed.solid(second)).volume()
-    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, least)
+    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact)
     return PairCheck(
         state, those.names, those.faces, pairs, edges, touch, wanted, apart, overlap, depth
     )
@@ -253,13 +260,14 @@ def _widths(bodies: Bodies) -> FloatArray:
 
 
 def _measure_closest(
-    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, reach_mm: float
+    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, exact: BoolArray
 ) -> None:
     """Make the distance of the closest pair exact, from the least bound upwards."""
     best = np.inf
     for pair in free[np.argsort(apart[free], kind="stable")].tolist():
         if apart[pair] >= best * (1 - _TOLD):
             break
-        one, two = pairs[pair].tolist()
-        apart[pair] = placed.apart(one, two, 4 * max(reach_mm, apart[pair]))
+        if not exact[pair]:
+            one, two = pairs[pair].tolist()
+            apart[pair] = placed.apart(one, two, _REACH * apart[pair])
         best = min(best, float(apart[pair]))

@@ -127,7 +127,8 @@ def test_a_sheet_keeps_its_promise_flat_folded_and_between(miura):
 def test_what_is_promised_is_the_exact_distance(angle, share, thickness, gap, axis):
     pattern = book(angle)
     low = -axis * thickness
-    sheet = solid(pattern, thickness_mm=thickness, gap_mm=gap, axis="offset", axis_mm=-low)
+    panel = PanelSettings(thickness_mm=thickness, gap_mm=gap, axis="offset", axis_mm=-low)
+    sheet, _ = thicken(pattern, panel, HingeSettings(kind="none"))
     if len(sheet.panels.bodies) < 2:
         return
     pattern = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
@@ -214,6 +215,9 @@ def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
     assert figures.bodies == 1
     # polygons of a barrel come a little nearer to the pin than their circles
     assert all(0.2 < state.clearance_min_mm <= 0.3 + 1e-9 for state in figures.states)
+    halfway = replace(pattern, folded_coords=folded(pattern.vertices_coords, 30.0))
+    states.append(replace(target(halfway), stage=Stage.BETWEEN, share=0.5))
+    assert inspected(sheet, states)[1] == []
     shifts = states[1].shifts.copy()
     shifts[0, 1] += 0.5
     _, findings = inspected(sheet, [replace(states[1], shifts=shifts)])
