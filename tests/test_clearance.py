@@ -203,6 +203,28 @@ def test_a_panel_in_a_wrong_pose_is_caught_and_named(miura):
     assert all(f.severity == Severity.WARNING and "at 50 % of the fold" in f.text for f in findings)
 
 
+def test_panels_with_two_creases_in_common_are_checked_at_both():
+    flat = np.array([[0, 0], [0, 0.5], [0, 1], [1, 0], [1, 1], [-1, 0], [-1, 1]]) * SIDE_MM
+    corners, offsets = np.array([0, 3, 4, 2, 1, 0, 1, 2, 6, 5]), np.array([0, 5, 10])
+    edges = edges_of(corners, offsets)
+    angle = np.where(edges.edges_faces[:, 1] >= 0, 60.0, 0.0)
+    pattern = CreasePattern(
+        flat,
+        edges.edges_vertices,
+        edges.edges_faces,
+        assignments(angle, edges),
+        angle,
+        corners,
+        offsets,
+        folded(flat, 60.0),
+    )
+    sheet = solid(pattern, thickness_mm=2.0, gap_mm=0.5)
+    figures, findings = inspected(sheet, [target(pattern)])
+    assert findings == []
+    assert figures.states[0].pairs_checked == 2
+    assert figures.clearance_min_mm == pytest.approx(0.5 * np.cos(np.radians(30)))
+
+
 def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
     pattern = book(60.0)
     hinge = HingeSettings(kind="knuckle", play_mm=0.3)
