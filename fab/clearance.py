@@ -112,8 +112,8 @@ def inspect_thick(
     tell("clearance", len(reached), len(reached))
     for check in checks:
         if check.state.stage != Stage.BETWEEN:
-            findings += _reported(check)
-    findings += _jammed([check for check in checks if check.state.stage == Stage.BETWEEN])
+            findings += _reported(sheet, check)
+    findings += _jammed(sheet, [check for check in checks if check.state.stage == Stage.BETWEEN])
     if printer is not None:
         findings += inspect_print(sheet, joined, printer)
     if material is not None:
@@ -205,7 +205,7 @@ def _measured(check: PairCheck) -> StateFigures:
 
 def _too_near(check: PairCheck) -> IntArray:
     """Panels across a crease that are nearer than promised, without overlapping."""
-    near = (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
+    near = ~check.may_touch & (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
     return np.flatnonzero(near & (check.overlap_mm3 <= OVERLAP_MM3))
 
 
@@ -215,17 +215,22 @@ def _close(check: PairCheck) -> IntArray:
     return np.flatnonzero(other & (check.apart_mm < _CLOSE * check.wanted_mm))
 
 
-def _named(check: PairCheck, pair: int) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+def _named(
+    sheet: ThickSheet, check: PairCheck, pair: int
+) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
     """Both bodies in words, their panels and their crease."""
     one, two = check.pairs[pair].tolist()
-    edge = int(check.edges[pair])
-    across = f" across crease {edge}" if edge >= 0 else ""
     panels = tuple(int(f) for f in check.faces[[one, two]] if f >= 0)
-    text = f"{check.names[one]} and {check.names[two]}{across}"
-    return text, panels, (edge,) if edge >= 0 else ()
+    text = f"{check.names[one]} and {check.names[two]}"
+    edge = int(check.edges[pair])
+    if edge < 0:
+        return text, panels, ()
+    there, end = check.state.angles_deg[edge], sheet.pattern.edges_foldAngle[edge]
+    text += f" across crease {edge} (at {there:.4g} degrees, made for {end:.4g})"
+    return text, panels, (edge,)
 
 
-def _reported(check: PairCheck) -> list[Finding]:
+def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
     """Findings of the flat state and of the target: the worst pairs of each kind."""
     flat = check.state.stage == Stage.FLAT
     cure = (
@@ -246,10 +251,12 @@ def _reported(check: PairCheck) -> list[Finding]:
         ("panels-close", Severity.WARNING, close, "Raise gap_mm, or lower thickness_mm."),
     ):
         for row in rows[:_NAMED].tolist():
-            text, panels, creases = _named(check, row)
+            text, panels, creases = _named(sheet, check, row)
             if code == "solids-overlap":
                 shared, depth = check.overlap_mm3[row], check.depth_mm[row]
                 measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
+                # faces that bend may have more room than the rigid ones nearest to them
+                severity = Severity.ERROR if depth > 2 * check.state.bend_mm else Severity.WARNING
             elif code == "clearance-too-small":
                 measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
             else:
@@ -267,7 +274,7 @@ def _reported(check: PairCheck) -> list[Finding]:
     return findings
 
 
-def _jammed(checks: Sequence[PairCheck]) -> list[Finding]:
+def _jammed(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
     """One finding for all overlaps on the way, and one for all that come too near."""
     findings = []
     deep = [
@@ -277,7 +284,7 @@ def _jammed(checks: Sequence[PairCheck]) -> list[Finding]:
     ]
     if deep:
         depth, check, row = max(deep, key=lambda item: item[0])
-        text, panels, creases = _named(check, row)
+        text, panels, creases = _named(sheet, check, row)
         findings.append(
             Finding(
                 "panels-jam",
@@ -297,7 +304,7 @@ def _jammed(checks: Sequence[PairCheck]) -> list[Finding]:
     ]
     if near:
         _, check, row = max(near, key=lambda item: item[0])
-        text, panels, creases = _named(check, row)
+        text, panels, creases = _named(sheet, check, row)
         findings.append(
             Finding(
                 "clearance-between",

@@ -27,6 +27,7 @@ __all__ = [
     "load_machine",
     "load_material",
     "perforation_for",
+    "shipped_of",
 ]
 
 
@@ -185,6 +186,13 @@ def described(folder: Folder) -> dict[str, tuple[str, str]]:
         name: (_kind(document, folder), str(document["description"]))
         for name, document in documents.items()
     }
+
+
+def shipped_of(kind: Literal["sheet", "print", "cutter", "printer"]) -> dict[str, Path]:
+    """TOML files of the shipped sheets, print materials, cutters or printers, by name, sorted."""
+    folder: Folder = "materials" if kind in ("sheet", "print") else "machines"
+    kinds = described(folder)
+    return {name: path for name, path in shipped(folder).items() if kinds[name][0] == kind}
 
 
 def load_described(model: type[Model], folder: Folder, name_or_path: str | Path) -> Model:

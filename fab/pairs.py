@@ -15,7 +15,7 @@ import numpy as np
 from fab.bodies import Bodies
 from fab.separation import apart_along, apart_at_least, near_pairs
 from fab.setbacks import Setbacks
-from fab.states import FoldedState, Stage
+from fab.states import FoldedState, Stage, flat_panels
 from fab.thick import ThickSheet
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, unit
 
@@ -28,6 +28,8 @@ __all__ = ["OVERLAP_MM3", "PairCheck", "ThickBodies", "check_pairs", "promised_m
 OVERLAP_MM3 = 1e-6
 # Distances may fall short of what setbacks promise by rounding alone.
 _KEPT = 0.97
+# Distances are measured up to this multiple of what is wanted, or known to be.
+_REACH = 1.5
 # The closest pair is told to this.
 _TOLD = 1e-6
 
@@ -41,6 +43,7 @@ class ThickBodies:
     bodies, solids : the same, as arrays and for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.
+    linked : shape (k,), whether they reach past the crease into each other, as knuckles do.
     """
 
     bodies: Bodies
@@ -50,6 +53,7 @@ class ThickBodies:
     creases: IntArray
     mates: IntArray
     mates_edge: IntArray
+    linked: BoolArray
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,7 @@ class PairCheck:
     state : which. names : of all bodies; faces : the face of each, -1 for those that bend.
     pairs : shape (n, 2), those with a common crease, and all others near each other.
     edges : shape (n,), the common crease of two panels; -1 where there is none.
-    may_touch : shape (n,), for bodies of one face, and for hinges.
+    may_touch : shape (n,), for bodies of one face, for hinges, and on the way for linked panels.
     wanted_mm : shape (n,), the distance that each pair must keep.
     apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair.
     overlap_mm3 : shape (n,), common volume. depth_mm : shape (n,), how deep they reach into each
@@ -97,14 +101,18 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     mates = place[sheet.pattern.edges_faces]
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
     all_of_them = len(chosen) == len(sheet.bodies)
+    bodies = sheet.bodies if all_of_them else sheet.bodies.chosen(chosen)
+    mates = np.sort(mates[edges], axis=1)
+    past = apart_along(bodies, mates, _between(sheet, flat_panels(sheet.pattern), edges)) < 0
     return ThickBodies(
-        sheet.bodies if all_of_them else sheet.bodies.chosen(chosen),
+        bodies,
         [solids[body] for body in chosen.tolist()],
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,
         creases,
-        np.sort(mates[edges], axis=1),
+        mates,
         edges,
+        past & np.isin(edges, sheet.held) & ~np.isin(edges, sheet.creases),
     )
 
 
@@ -130,14 +138,15 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     if state.stage != Stage.FLAT:
         bodies = bodies.moved(state.turns[moving], state.shifts[moving])
     promised = _promised(sheet, those, state)
-    least = float(promised.min(initial=np.inf))
+    least = float(promised[~those.linked].min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
-    pairs, mate = _pairs(those, near_pairs(bodies, least))
+    near = near_pairs(bodies, least)
+    near = near[~_may_touch(those, near) | _boxes_meet(bodies, near)]
+    pairs, mate = _pairs(those, near)
     one, two = pairs.T
     edges = np.where(mate >= 0, those.mates_edge[mate] if len(those.mates) else -1, -1)
-    touch = (those.faces[one] == those.faces[two]) | (those.faces[pairs] < 0).any(axis=1)
-    touch |= (those.creases[pairs] >= 0).any(axis=1)
+    touch = _may_touch(those, pairs)
     wanted = np.full(len(pairs), least)
     # two faces that bend lie that much nearer or farther than simulated
     kept = _KEPT * promised[mate[mate >= 0]] - 2 * state.bend_mm
@@ -157,13 +166,18 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     depth = np.maximum(-apart, 0.0)
     placed = _Placed(those, state, {})
     overlap = np.zeros(len(pairs))
+    exact = (apart < wanted) & ~touch
+    if state.stage == Stage.BETWEEN:
+        # on the way it is enough for knuckles that they do not overlap
+        linked = np.isin(mate, np.flatnonzero(those.linked))
+        touch, exact = touch | linked, exact & ~linked
     for pair in np.flatnonzero(apart < wanted).tolist():
         first, second = pairs[pair].tolist()
-        if not touch[pair]:
-            apart[pair] = placed.apart(first, second, 4 * max(wanted[pair], least))
+        if exact[pair]:
+            apart[pair] = placed.apart(first, second, _REACH * max(wanted[pair], least))
         if touch[pair] or apart[pair] == 0.0:
             overlap[pair] = (placed.solid(first) ^ placed.solid(second)).volume()
-    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, least)
+    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact)
     return PairCheck(
         state, those.names, those.faces, pairs, edges, touch, wanted, apart, overlap, depth
     )
@@ -192,7 +206,7 @@ class _Placed:
 
 
 def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> FloatArray:
-    """What the setbacks promise to panels across a crease, shape (k,), mm.
+    """What the setbacks promise to panels across a crease, shape (k,), mm; 0 where they are linked.
 
     Between flat and the target it is the least of what they promise there and at the target.
     """
@@ -201,7 +215,20 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     out = promised_mm(back, heights, state.angles_deg)
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
-    return np.maximum(out[those.mates_edge], 0.0)
+    return np.where(those.linked, 0.0, np.maximum(out[those.mates_edge], 0.0))
+
+
+def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:
+    """Bodies of one face, and hinges with whatever they are near to."""
+    one, two = those.faces[pairs].T
+    hinge = (those.faces < 0) | (those.creases >= 0)
+    return np.asarray((one == two) | hinge[pairs].any(axis=1))
+
+
+def _boxes_meet(bodies: Bodies, pairs: IntArray) -> BoolArray:
+    low, high = bodies.boxes()
+    one, two = pairs.T
+    return np.asarray(((low[one] <= high[two]) & (low[two] <= high[one])).all(axis=1))
 
 
 def _pairs(those: ThickBodies, near: IntArray) -> tuple[IntArray, IntArray]:
@@ -233,13 +260,14 @@ def _widths(bodies: Bodies) -> FloatArray:
 
 
 def _measure_closest(
-    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, reach_mm: float
+    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, exact: BoolArray
 ) -> None:
     """Make the distance of the closest pair exact, from the least bound upwards."""
     best = np.inf
     for pair in free[np.argsort(apart[free], kind="stable")].tolist():
         if apart[pair] >= best * (1 - _TOLD):
             break
-        one, two = pairs[pair].tolist()
-        apart[pair] = placed.apart(one, two, 4 * max(reach_mm, apart[pair]))
+        if not exact[pair]:
+            one, two = pairs[pair].tolist()
+            apart[pair] = placed.apart(one, two, _REACH * apart[pair])
         best = min(best, float(apart[pair]))

@@ -49,13 +49,15 @@ def apart_along(bodies: Bodies, pairs: IntArray, directions: FloatArray) -> Floa
 def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArray:
     """Distances that planes show to lie between the bodies of each pair, mm, shape (n,).
 
-    First with planes along the sides of both bodies; those pairs that they do not show to be
-    `wanted_mm` apart also across lines ever closer to the one between their nearest points.
-    Negative where no plane separates them: then sides of theirs reach into each other so deep at
-    most.
+    First between their boxes, then along the sides of both bodies; those pairs that these do not
+    show to be `wanted_mm` apart also across lines ever closer to the one between their nearest
+    points. Negative where no plane separates them: then sides of theirs reach into each other so
+    deep at most.
     """
-    best = np.full(len(pairs), -np.inf)
-    normals, offsets, heights = _sides(bodies)
+    low, high = bodies.boxes()
+    one, two = pairs.T
+    best: FloatArray = np.maximum(low[one] - high[two], low[two] - high[one]).max(axis=1)
+    normals, offsets, heights = _sides(bodies, np.unique(pairs[best < wanted_mm]))
     for own, other in ((0, 1), (1, 0)):
         undecided = np.flatnonzero(best < wanted_mm)
         bodies_own = pairs[undecided, own]
@@ -63,8 +65,8 @@ def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> Fl
         ends = np.cumsum(counts)
         pair = np.repeat(undecided, counts)
         side = np.arange(len(pair)) + np.repeat(offsets[bodies_own] - (ends - counts), counts)
-        low, _ = _shadows(bodies, pairs[pair, other], normals[side])
-        np.maximum.at(best, pair, low - heights[side])
+        nearest, _ = _shadows(bodies, pairs[pair, other], normals[side])
+        np.maximum.at(best, pair, nearest - heights[side])
     undecided = np.flatnonzero(best < wanted_mm)
     best[undecided] = np.maximum(
         best[undecided], _walked(bodies, pairs[undecided], wanted_mm[undecided])
@@ -95,18 +97,24 @@ def _walked(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArra
     return best
 
 
-def _sides(bodies: Bodies) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Outward normals of the planar sides of all bodies, where each body's begin, farthest points.
+def _sides(bodies: Bodies, chosen: IntArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Outward normals of the planar sides of chosen bodies, each body's first, farthest points.
 
     Shapes (k, 3), (n + 1,) and (k,): the largest coordinate of the body along each normal.
     """
-    a, b, c = bodies.vertices_coords[bodies.triangles].swapaxes(0, 1)
-    twice = cross(b - a, c - a)
+    asked = np.zeros(len(bodies), bool)
+    asked[chosen] = True
     owner = bodies.triangles_body
-    order = np.lexsort((norm(twice), bodies.triangles_plane, owner))
-    plane = bodies.triangles_plane[order]
-    last = np.append((plane[1:] != plane[:-1]) | (np.diff(owner[order]) > 0), True)
-    largest = order[last] if len(order) else order
+    triangles = np.flatnonzero(asked[owner])
+    owner = owner[triangles]
+    a, b, c = bodies.vertices_coords[bodies.triangles[triangles]].swapaxes(0, 1)
+    twice = cross(b - a, c - a)
+    order = np.lexsort((norm(twice), bodies.triangles_plane[triangles], owner))
+    plane = bodies.triangles_plane[triangles][order]
+    # the largest triangle of each plane is the last of its run
+    last = np.ones(len(order), bool)
+    last[:-1] = (plane[1:] != plane[:-1]) | (np.diff(owner[order]) > 0)
+    largest = order[last]
     normals = unit(twice[largest])
     has_area = np.isfinite(normals).all(axis=1)
     largest, normals = largest[has_area], normals[has_area]

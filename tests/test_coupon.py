@@ -11,13 +11,12 @@ from fab.colours import Colour, Colours
 from fab.coupon import coupon
 from fab.drawings import SheetFormat, drawing_files
 from fab.dxf import DxfVersion, dxf_bytes
-from fab.materials import load_machine, load_material
+from fab.materials import load_machine, load_material, shipped_of
 from fab.paths import Operation
-from fab.shipped import shipped
 from fab.styles import DotStyle
 from solver.errors import InvalidValue
 
-CASES = [(k, m) for k in shipped("machines") for m in shipped("materials")]
+CASES = [(k, m) for k in shipped_of("cutter") for m in shipped_of("sheet")]
 
 
 def lines(layer):

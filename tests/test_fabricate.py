@@ -29,7 +29,7 @@ from fab.fold_file import fold_bytes
 from fab.job import load_job
 from fab.labels import number_text
 from fab.make import Format, make
-from fab.materials import load_machine, load_material, perforation_for
+from fab.materials import load_machine, load_material, perforation_for, shipped_of
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
 from fab.perforation import cut_layers
@@ -163,8 +163,8 @@ def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, c
 
 
 def test_every_material_suits_every_machine():
-    for machine in shipped("machines"):
-        for material in shipped("materials"):
+    for machine in shipped_of("cutter"):
+        for material in shipped_of("sheet"):
             style = perforation_for(load_machine(machine), load_material(material))
             whole = load_machine(machine).profile == "whole_lines"
             assert (style.mountain.kind == style.valley.kind == "score") or not whole

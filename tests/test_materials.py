@@ -7,23 +7,13 @@ from click.testing import CliRunner
 
 from fab.cli import main
 from fab.errors import InvalidJob
-from fab.materials import described, load_machine, load_material, perforation_for
+from fab.materials import load_machine, load_material, perforation_for, shipped_of
 from fab.paths import Operation
 from fab.perforation import DashStyle, FoldBand, PerforationSettings
 from fab.relief import ReliefSettings
-from fab.shipped import shipped
 from fab.styles import ScoreStyle
 
-MATERIALS = {
-    name: shipped("materials")[name]
-    for name, (kind, _) in described("materials").items()
-    if kind == "sheet"
-}
-MACHINES = {
-    name: shipped("machines")[name]
-    for name, (kind, _) in described("machines").items()
-    if kind == "cutter"
-}
+MATERIALS, MACHINES = shipped_of("sheet"), shipped_of("cutter")
 
 
 def test_all_that_is_promised_is_shipped():

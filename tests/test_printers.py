@@ -13,14 +13,13 @@ from fab.clearance import inspect_thick
 from fab.cli import main
 from fab.errors import InvalidJob, Severity
 from fab.joining import joined_mesh
-from fab.materials import described, load_machine, load_material
+from fab.materials import load_machine, load_material, shipped_of
 from fab.printability import bed_area_mm2, inspect_print, inspect_webs, panel_widths_mm
 from fab.printers import load_print_material, load_printer
 from fab.shipped import shipped
 from fab.states import flat_panels
 
-PRINTERS = [name for name, (kind, _) in described("machines").items() if kind == "printer"]
-PRINTED = [name for name, (kind, _) in described("materials").items() if kind == "print"]
+PRINTERS, PRINTED = shipped_of("printer"), shipped_of("print")
 
 
 def test_all_that_is_promised_is_shipped():
@@ -45,7 +44,7 @@ def test_every_printer_is_sound(name):
     assert all(0 < room < side for room, side in zip(printer.room_mm, printer.bed_mm, strict=True))
     assert 0.25 * printer.nozzle_mm <= printer.layer_mm <= 0.75 * printer.nozzle_mm
     assert "least_gap_mm" in printer.starting_points
-    text = shipped("machines")[name].read_text()
+    text = PRINTERS[name].read_text()
     assert "# Based on: " in text
     sizes = f"{printer.bed_mm[0]:g} x {printer.bed_mm[1]:g} x {printer.height_mm:g} mm"
     assert sizes in printer.description
@@ -56,7 +55,7 @@ def test_every_print_material_is_sound(name):
     material = load_print_material(name)
     assert 800 < material.density_kg_m3 < 1400
     assert (material.strain_max is None) == (name == "pla_filament")
-    assert "# Based on: " in shipped("materials")[name].read_text()
+    assert "# Based on: " in PRINTED[name].read_text()
 
 
 def test_what_cuts_and_what_prints_are_not_taken_for_each_other(tmp_path):
@@ -71,7 +70,7 @@ def test_what_cuts_and_what_prints_are_not_taken_for_each_other(tmp_path):
     with pytest.raises(InvalidJob, match="Did you mean prusa_mk4s"):
         load_printer("prusa_mk4")
     mine = tmp_path / "mine.toml"
-    mine.write_text(shipped("machines")["ender_3"].read_text())
+    mine.write_text(PRINTERS["ender_3"].read_text())
     assert load_printer(mine) == load_printer("ender_3")
     with pytest.raises(InvalidJob, match=r"kind = 'printer' must be 'cutter' here"):
         load_machine(mine)
@@ -96,7 +95,7 @@ def test_what_cuts_and_what_prints_are_not_taken_for_each_other(tmp_path):
     ],
 )
 def test_printers_that_cannot_be_right_are_refused(tmp_path, old, new, match):
-    text = shipped("machines")["ender_3"].read_text()
+    text = PRINTERS["ender_3"].read_text()
     assert old in text
     (tmp_path / "mine.toml").write_text(text.replace(old, new, 1))
     with pytest.raises(InvalidJob) as refused:
@@ -106,7 +105,7 @@ def test_printers_that_cannot_be_right_are_refused(tmp_path, old, new, match):
 
 def test_every_number_of_a_printer_names_its_unit():
     for name in PRINTERS:
-        document = tomllib.loads(shipped("machines")[name].read_text())
+        document = tomllib.loads(PRINTERS[name].read_text())
         for key, value in document.items():
             if isinstance(value, float | list) and key != "starting_points":
                 assert key.endswith(("_mm", "_deg")), key
