@@ -19,20 +19,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import shapely
 from pydantic import Field, model_validator
 
-from fab.bodies import TriangleMesh, bodies_of
-from fab.carving import carved, common, prism, section
+from fab.bodies import Bodies, bodies_of
+from fab.carving import meshes, prism, section, solid
 from fab.errors import Finding, Severity
 from fab.hinges import crease_sides
 from fab.settings import Settings
 from fab.thick import ThickSheet
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from manifold3d import Manifold
 
 __all__ = ["Joint", "JointSettings", "depths_mm", "jointed", "make_joints"]
 
@@ -319,10 +322,10 @@ def _places(
 
 @dataclass(frozen=True)
 class _Row:
-    """A body of the jointed sheet: what is made of which old one, and what is said of it."""
+    """A body of the jointed sheet: what is cut from which old one, and what is said of it."""
 
     source: int
-    cut: Callable[[TriangleMesh], TriangleMesh]
+    cut: Callable[[Manifold], Manifold] | None
     name: str
     face: int
     crease: int
@@ -342,18 +345,18 @@ def jointed(
     low, high = levels.low - _BEYOND_MM, levels.high + _BEYOND_MM
     panels = len(sheet.panels.bodies)
     body = {face: number for number, face in enumerate(sheet.panels.faces.tolist())}
-    cutters: dict[int, list[TriangleMesh]] = {}
+    cutters: dict[int, list[Manifold]] = {}
     for joint in joints:
         mine = cutters.setdefault(joint.faces[1], [])
         top = high if levels.through else levels.roof
         mine += [prism(ring, low, top) for ring in joint.pockets]
         mine += [prism(ring, low, high) for ring in joint.holes if len(ring)]
 
-    def cut_by(tools: list[TriangleMesh]) -> Callable[[TriangleMesh], TriangleMesh]:
-        return lambda mesh: carved(mesh, tools) if tools else mesh
+    def without(tools: list[Manifold]) -> Callable[[Manifold], Manifold]:
+        return lambda body: _less([body, *tools])
 
-    def within(limit: TriangleMesh) -> Callable[[TriangleMesh], TriangleMesh]:
-        return lambda mesh: common(mesh, limit)
+    def within(limit: Manifold) -> Callable[[Manifold], Manifold]:
+        return lambda body: body ^ limit
 
     by_crease = {joint.crease: joint for joint in joints}
     rows: list[_Row] = []
@@ -361,32 +364,26 @@ def jointed(
         face, edge = int(sheet.faces[number]), int(sheet.creases[number])
         name, soft = sheet.names[number], bool(sheet.flexible[number])
         if number < panels:
-            rows.append(_Row(number, cut_by(cutters.get(face, [])), name, face, edge, soft, face))
+            cut = without(cutters[face]) if face in cutters else None
+            rows.append(_Row(number, cut, name, face, edge, soft, face))
         elif edge in by_crease:
-            joint = by_crease[edge]
+            mouths, home = by_crease[edge].mouths, by_crease[edge].faces[0]
             rows += [
-                _Row(
-                    number, within(prism(ring, low, high)), label, face, edge, soft, joint.faces[0]
-                )
-                for ring, label in zip(
-                    joint.mouths, _numbered(name, len(joint.mouths)), strict=True
-                )
+                _Row(number, within(prism(ring, low, high)), label, face, edge, soft, home)
+                for ring, label in zip(mouths, _numbered(name, len(mouths)), strict=True)
             ]
         else:
             home = face if face >= 0 else int(sheet.pattern.edges_faces[edge, 0])
-            rows.append(_Row(number, cut_by([]), name, face, edge, soft, home))
+            rows.append(_Row(number, None, name, face, edge, soft, home))
     for joint in joints:
         top = high if levels.through else levels.tongue
         names = _numbered(f"tongue_{joint.crease}", len(joint.tongues))
         for ring, hole, label in zip(joint.tongues, joint.holes, names, strict=True):
             whole = prism(ring, low, top)
-            strap = carved(whole, [prism(hole, low - 1, high + 1)]) if len(hole) else whole
+            strap = _less([whole, prism(hole, low, high)]) if len(hole) else whole
             own, other = joint.faces[1], joint.faces[0]
             rows.append(_Row(body[own], within(strap), label, own, joint.crease, False, other))
-    made = [
-        bodies_of([row.cut(old.mesh(row.source)) for row in rows])
-        for old in (sheet.bodies, sheet.joining)
-    ]
+    made = [_made(old, rows) for old in (sheet.bodies, sheet.joining)]
     new = replace(
         sheet,
         panels=replace(sheet.panels, bodies=made[0].chosen(np.arange(panels))),
@@ -398,6 +395,20 @@ def jointed(
         joining=made[1],
     )
     return new, np.array([row.home for row in rows])
+
+
+def _less(solids: list[Manifold]) -> Manifold:
+    """The first without all others."""
+    from manifold3d import Manifold, OpType
+
+    return Manifold.batch_boolean(solids, OpType.Subtract)
+
+
+def _made(old: Bodies, rows: Sequence[_Row]) -> Bodies:
+    """What the rows cut from the old bodies; those that nothing is cut from as they are."""
+    cuts = meshes([row.cut(solid(old.mesh(row.source))) for row in rows if row.cut is not None])
+    fresh = iter(cuts)
+    return bodies_of([old.mesh(row.source) if row.cut is None else next(fresh) for row in rows])
 
 
 def _numbered(name: str, count: int) -> list[str]:

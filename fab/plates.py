@@ -6,7 +6,7 @@ It is divided into parts along as few creases as are found, which are joined aft
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -16,18 +16,20 @@ import shapely
 from pydantic import Field
 
 from fab.bodies import Bodies, TriangleMesh
-from fab.carving import shadow
 from fab.dovetails import Joint, JointSettings, depths_mm, jointed, make_joints
 from fab.errors import Finding
 from fab.joining import joined_mesh
 from fab.labels import piece_name
-from fab.nesting import nest
+from fab.nesting import Placements, nest
 from fab.partition import Sheet, assembly_order, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import outer_corners
 from fab.thick import ThickSheet
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import BoolArray, FloatArray, IntArray
+
+# Outlines are told on a grid, so that the sides of faces meet.
+_GRID_MM = 1e-6
 
 __all__ = ["Part", "PlateSettings", "Plates", "make_plates"]
 
@@ -183,7 +185,15 @@ def make_plates(
     def placed(done: int, of: int) -> None:
         tell(pattern.face_count + pattern.face_count * done // of, steps)
 
-    parts = _parts(whole, flat, owner, owner[homes], bed_mm, settings, placed)
+    turns = np.array([upright(extent(flat, faces), flat.room_mm)[0] for faces in sets])
+    turns = turns[np.argsort(rank)]
+    outlines = [
+        shapely.transform(outline, lambda points, turn=turn: points @ turn.T)
+        for outline, turn in zip(_outlines(sheet, joints, owner), turns, strict=True)
+    ]
+    margin, gap = settings.margin_mm, settings.part_gap_mm
+    placements = nest(outlines, bed_mm, gap, margin_mm=margin, progress=placed)
+    parts = _parts(whole, turns, owner, owner[homes], placements)
     return Plates(whole, parts, tuple(joints), bed_mm), findings
 
 
@@ -233,48 +243,53 @@ def _cuts(edges_faces: IntArray, edges: IntArray, owner: IntArray) -> IntArray:
 
 def _parts(
     sheet: ThickSheet,
-    flat: Sheet,
+    turns: FloatArray,
     faces_part: IntArray,
     bodies_part: IntArray,
-    bed_mm: tuple[float, float],
-    settings: PlateSettings,
-    progress: Callable[[int, int], None],
+    placements: Placements,
 ) -> tuple[Part, ...]:
-    numbers, faces, meshes, turns, outlines = [], [], [], [], []
-    for part in range(int(faces_part.max(initial=-1)) + 1):
-        faces.append(np.flatnonzero(faces_part == part))
-        numbers.append(np.flatnonzero(bodies_part == part))
-        meshes.append(joined_mesh(sheet.joining.chosen(numbers[-1])))
-        turns.append(upright(extent(flat, faces[-1]), flat.room_mm)[0])
-        outlines.append(_outline(meshes[-1], turns[-1]))
-    placements = nest(
-        outlines, bed_mm, settings.part_gap_mm, margin_mm=settings.margin_mm, progress=progress
-    )
+    """Turns : shape (n, 2, 2), of the sheet before each part was placed."""
     parts = []
     for item in sorted(placements.items, key=lambda item: item.piece):
-        mesh = meshes[item.piece]
+        numbers = np.flatnonzero(bodies_part == item.piece)
+        bodies = sheet.joining.chosen(numbers)
+        mesh = joined_mesh(bodies)
         turn, shift = np.eye(3), np.zeros(3)
         turn[:2, :2] = item.turn @ turns[item.piece]
-        shift[:2] = item.shift
-        shift[2] = -sheet.joining.chosen(numbers[item.piece]).vertices_coords[:, 2].min()
+        shift[:2], shift[2] = item.shift, -bodies.vertices_coords[:, 2].min()
+        standing = mesh.vertices_coords @ turn.T + [*item.shift, 0.0]
         parts.append(
             Part(
                 piece_name(item.piece),
                 item.sheet,
-                faces[item.piece],
-                numbers[item.piece],
+                np.flatnonzero(faces_part == item.piece),
+                numbers,
                 turn,
                 shift,
-                replace(mesh, vertices_coords=mesh.vertices_coords @ turn.T + [*shift[:2], 0.0]),
+                replace(mesh, vertices_coords=standing),
             )
         )
     return tuple(parts)
 
 
-def _outline(mesh: TriangleMesh, turn: FloatArray) -> shapely.Polygon:
-    """What a part covers of the plane, turned; its hull where it hangs together nowhere."""
-    figure = shapely.transform(shadow(mesh), lambda points: points @ turn.T)
-    return figure if isinstance(figure, shapely.Polygon) else shapely.convex_hull(figure)
+def _outlines(
+    sheet: ThickSheet, joints: Sequence[Joint], faces_part: IntArray
+) -> list[shapely.Polygon]:
+    """What the faces of each part cover of the plane, with all that it reaches out beyond them."""
+    pattern, joint_parts = sheet.pattern, faces_part[[joint.faces[0] for joint in joints]]
+    rings = np.split(pattern.vertices_coords[pattern.faces_vertices], pattern.faces_offsets[1:-1])
+    out = []
+    for part in range(int(faces_part.max(initial=-1)) + 1):
+        faces = [shapely.Polygon(rings[face]) for face in np.flatnonzero(faces_part == part)]
+        reach = [
+            shapely.MultiPoint(np.concatenate([joint.mouths, joint.tongues], 1).reshape(-1, 2))
+            for joint in (joints[number] for number in np.flatnonzero(joint_parts == part).tolist())
+        ]
+        figure = shapely.union_all([*faces, *shapely.convex_hull(reach)], grid_size=_GRID_MM)
+        # of faces without panels between them
+        whole = figure if isinstance(figure, shapely.Polygon) else shapely.convex_hull(figure)
+        out.append(whole)
+    return out
 
 
 def _round(value: float) -> float:
