@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,8 +44,9 @@ def prism(ring: FloatArray, low_mm: float, high_mm: float) -> Manifold:
 def section(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
     """The plane figure in which a body is cut at a height."""
     rings = solid(mesh).slice(z_mm).to_polygons()
+    figures = [shapely.Polygon(ring) for ring in rings if len(ring) > 2]
     # rings inside others are holes
-    return shapely.symmetric_difference_all([shapely.Polygon(r) for r in rings if len(r) > 2])
+    return reduce(shapely.symmetric_difference, figures, shapely.Polygon())
 
 
 def meshes(solids: Sequence[Manifold]) -> list[TriangleMesh]:

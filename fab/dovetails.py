@@ -310,11 +310,13 @@ def _places(
     if not len(good):
         return good
     step = (high - low) / (_PLACES - 1)
-    chosen = [
-        np.linspace(run[0], run[-1], count) if count > 1 else run[[len(run) // 2]]
-        for run in np.split(good, np.flatnonzero(np.diff(good) > 1.5 * step) + 1)
-        for count in [1 + int((run[-1] - run[0]) / (plan.width + plan.wall))]
-    ]
+    chosen = []
+    for run in np.split(good, np.flatnonzero(np.diff(good) > 1.5 * step) + 1):
+        # its ends may lie up to one step further out
+        first = free(np.linspace(max(low, run[0] - step), run[0], _PLACES))[0]
+        last = free(np.linspace(run[-1], min(high, run[-1] + step), _PLACES))[-1]
+        count = 1 + int((last - first) / (plan.width + plan.wall))
+        chosen.append(np.linspace(first, last, count) if count > 1 else run[[len(run) // 2]])
     places = free(np.concatenate(chosen))
     apart = np.concatenate([[True], np.diff(places) >= plan.width + plan.wall - _ROUNDING_MM])
     return np.asarray(places[apart])
