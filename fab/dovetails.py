@@ -174,7 +174,8 @@ def make_joints(
     cuts : shape (n, 3): edge, face that should carry the tongues, face that should have the
     pockets; the other way round where there is no room for pockets but in the first.
 
-    Raises `InvalidValue` for tongues that leave no roof of `roof_mm` above their pockets.
+    Creases that have no web, or several, are taped. Raises `InvalidValue` for tongues that leave no
+    roof of `roof_mm` above their pockets.
     """
     levels = _levels(sheet, settings)
     body = {face: number for number, face in enumerate(sheet.panels.faces.tolist())}
@@ -342,7 +343,17 @@ def jointed(
 
     Panels with pockets stay in their places; webs are cut to their tongues, or left out where a
     crease is taped; tongues come last, each a body that moves with the face of its pocket.
+
+    Raises `InvalidValue` for bodies of no face and no crease, such as a film under all panels.
     """
+    whole = np.flatnonzero((sheet.faces < 0) & (sheet.creases < 0))
+    if len(whole):
+        raise InvalidValue(
+            "body of a divided sheet",
+            sheet.names[whole[0]],
+            "belong to a face or to a crease",
+            "Choose hinges of single creases, or a bed that holds the sheet.",
+        )
     levels = _levels(sheet, settings)
     low, high = levels.low - _BEYOND_MM, levels.high + _BEYOND_MM
     panels = len(sheet.panels.bodies)

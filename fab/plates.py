@@ -293,4 +293,4 @@ def _outlines(
 
 
 def _round(value: float) -> float:
-    return round(float(value), 6)
+    return round(float(value), 6) + 0.0  # no minus before 0

@@ -250,6 +250,13 @@ def test_a_fit_that_lets_tongues_slide_out_is_refused():
         JointSettings(fit_mm=1.01 * sin(radians(15.0)))
 
 
+def test_bodies_under_the_whole_sheet_are_refused():
+    sheet = thick(two_panels())
+    film = replace(sheet, creases=np.full(len(sheet.bodies), -1))
+    with pytest.raises(InvalidValue, match=r"hinge_1 .* belong to a face or to a crease"):
+        jointed(film, [], JointSettings())
+
+
 def test_cut_bodies_know_their_sides():
     box = meshes([prism(np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]]), 0.0, 2.0)])[0]
     slot = prism(np.array([[4.0, -1], [6, -1], [6, 11], [4, 11]]), 1.0, 3.0)
