@@ -47,6 +47,9 @@ _MOST_PLAY = 0.5
 _PLACES = 201
 # Sides of a pin's hole.
 _ROUND = 32
+# Webs are so much narrower than the mouths of their tongues, on both sides, and tongues begin to
+# widen so far within their panel: what meets but for rounding leaves slivers in the joined surface.
+_STEP_MM = 0.05
 # Cutters reach so far out of what they cut, in mm.
 _BEYOND_MM = 1.0
 _ROUNDING_MM = 1e-6
@@ -72,7 +75,7 @@ class JointSettings(Settings):
         "not be left above half",
     )
     mouth_mm: float = Field(
-        default=6.0, ge=0.1, le=1000, description="width of a tongue where it begins"
+        default=6.0, ge=1, le=1000, description="width of a tongue where it begins"
     )
     depth_mm: float = Field(default=4.0, ge=0.1, le=1000, description="length of a tongue")
     undercut_deg: float = Field(
@@ -208,7 +211,7 @@ def make_joints(
         if not len(middles):
             return None
         shift = np.stack([middles, np.zeros(len(middles))], axis=1)[:, None]
-        wide = plan.mouth / 2
+        wide = plan.mouth / 2 - _STEP_MM
         far = face + _BEYOND_MM
         across = np.array([[-wide, -far], [wide, -far], [wide, far], [-wide, far]])
         joint = Joint(
@@ -264,8 +267,9 @@ def _plan(settings: JointSettings, kind: str, size: float, near: float, face: fl
     """Near : from the crease to where the web ends; face : to where all heights are panel."""
     if kind == "dovetail":
         mouth, depth = size * settings.mouth_mm, size * settings.depth_mm
-        wide = mouth / 2 + depth * np.tan(np.radians(settings.undercut_deg))
-        half = [(mouth / 2, near / 2), (mouth / 2, face), (wide, face + depth)]
+        neck = face + _STEP_MM
+        wide = mouth / 2 + (depth - _STEP_MM) * np.tan(np.radians(settings.undercut_deg))
+        half = [(mouth / 2, near / 2), (mouth / 2, neck), (wide, face + depth)]
         hole = np.empty((0, 2))
     else:
         mouth = depth = _strap_mm(settings)
