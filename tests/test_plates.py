@@ -421,3 +421,12 @@ def test_progress_rises_to_its_end():
 def test_beds_without_room_are_refused(bed, named):
     with pytest.raises(InvalidValue, match=named):
         make_plates(thick(grid(3, 3, 40.0)), bed, PlateSettings())
+
+
+def test_beds_have_room_for_tongues_too():
+    # half the gap, and a strap for a pin of 1.75 mm, which may come where no dovetail does
+    reach = 60.0 + 0.5 + (1.75 + 0.1 + 2 * 1.2) + 2 * 5.0
+    sheet = thick(two_panels(letter="M"))
+    assert len(make_plates(sheet, (reach + 0.01, 60.0), PlateSettings())[0].parts) == 2
+    with pytest.raises(InvalidValue, match="size of face 0 with its joints"):
+        make_plates(sheet, (reach - 0.01, 60.0), PlateSettings())
