@@ -157,11 +157,14 @@ def make_plates(
 
     progress : called with (steps done, steps in all): each face is set apart, then placed.
 
-    Raises `InvalidValue` for a bed without room between its margins, and for one that is smaller
-    than a face with the joints around it.
+    Raises `InvalidValue` for a sheet without panels, for a bed without room between its margins,
+    and for one that is smaller than a face with the joints around it.
     """
     room = _room(bed_mm, settings)
     pattern, standing = sheet.pattern, sheet.panels.faces
+    if not len(standing):
+        cure = "Lower thickness_mm or gap_mm, or enlarge the sheet."
+        raise InvalidValue("panels", 0, "be at least 1", cure)
     steps = 2 * pattern.face_count
 
     def tell(done: int, _: int) -> None:

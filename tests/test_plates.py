@@ -430,3 +430,10 @@ def test_beds_have_room_for_tongues_too():
     assert len(make_plates(sheet, (reach + 0.01, 60.0), PlateSettings())[0].parts) == 2
     with pytest.raises(InvalidValue, match="size of face 0 with its joints"):
         make_plates(sheet, (reach - 0.01, 60.0), PlateSettings())
+
+
+def test_a_sheet_without_panels_is_refused():
+    sheet = thick(two_panels(angle=180.0), limit=180.0)
+    assert len(sheet.panels.faces) == 0
+    with pytest.raises(InvalidValue, match=r"panels = 0 .* at least 1"):
+        make_plates(sheet, BED, PlateSettings())
