@@ -1,11 +1,9 @@
-"""What is left of a body when others are cut away from it, what is common, what are all of them?
-
-What comes out has its planar sides told apart again, each in one piece.
-"""
+"""How do bodies pass through manifold3d and come back with their planar sides told apart?"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,60 +11,20 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from fab.bodies import TriangleMesh, stacked
+from fab.bodies import TriangleMesh
 from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["carved", "common", "prism", "section", "shadow", "united"]
-
-# Plane figures of bodies are told on a grid, so that their sides meet.
-_GRID_MM = 1e-6
+__all__ = ["carved", "meshes", "prism", "section", "solid", "united"]
 
 
-def prism(ring: FloatArray, low_mm: float, high_mm: float) -> TriangleMesh:
-    """The upright solid over a plain counterclockwise polygon, shape (n, 2)."""
-    rings = np.stack([ring, ring], axis=1)
-    return stacked(rings, np.array([0, len(ring)]), np.array([low_mm, high_mm])).mesh(0)
+def solid(mesh: TriangleMesh, origin: int | None = None) -> Manifold:
+    """A body as a manifold3d solid whose triangles know their planar side.
 
-
-def carved(body: TriangleMesh, cutters: Sequence[TriangleMesh]) -> TriangleMesh:
-    """The body without what lies in any of the cutters."""
-    from manifold3d import Manifold, OpType
-
-    solids = [_solid(mesh) for mesh in (body, *cutters)]
-    return _mesh(Manifold.batch_boolean(solids, OpType.Subtract))
-
-
-def common(one: TriangleMesh, two: TriangleMesh) -> TriangleMesh:
-    """What lies in both bodies."""
-    return _mesh(_solid(one) ^ _solid(two))
-
-
-def united(bodies: Sequence[TriangleMesh]) -> TriangleMesh:
-    """All bodies as one. Sides with the same number are one side, where they lie in one plane."""
-    from manifold3d import Manifold, OpType
-
-    origin = Manifold.reserve_ids(1)
-    return _mesh(Manifold.batch_boolean([_solid(mesh, origin) for mesh in bodies], OpType.Add))
-
-
-def section(body: TriangleMesh, z_mm: float) -> shapely.Geometry:
-    """The plane figure in which a body is cut at a height."""
-    rings = _solid(body).slice(z_mm).to_polygons()
-    # rings inside others are holes
-    return shapely.symmetric_difference_all([shapely.Polygon(r) for r in rings if len(r) > 2])
-
-
-def shadow(body: TriangleMesh) -> shapely.Geometry:
-    """The plane figure over which a body stands, to `_GRID_MM`."""
-    corners = body.vertices_coords[body.triangles][:, :, :2]
-    return shapely.union_all(shapely.polygons(corners), grid_size=_GRID_MM)
-
-
-def _solid(mesh: TriangleMesh, origin: int | None = None) -> Manifold:
-    """A body whose triangles know their planar side, and a number for where they are from."""
+    origin : a number for where they are from, reserved; one of its own where left out.
+    """
     from manifold3d import Manifold, Mesh64
 
     run = [] if origin is None else [origin]
@@ -81,15 +39,60 @@ def _solid(mesh: TriangleMesh, origin: int | None = None) -> Manifold:
     )
 
 
-def _mesh(solid: Manifold) -> TriangleMesh:
-    mesh = solid.to_mesh64()
-    triangles = np.asarray(mesh.tri_verts, np.int64).reshape(-1, 3)
-    # where the triangles of each of the bodies that it was made from begin
-    begin = np.searchsorted(mesh.run_index, 3 * np.arange(len(triangles)), "right") - 1
-    run = np.asarray(mesh.run_original_id, np.int64)[begin]
-    side = np.column_stack([run, np.asarray(mesh.face_id, np.int64)])
-    coords = np.array(mesh.vert_properties[:, :3], np.float64)
-    return TriangleMesh(coords, triangles, _pieces_of_sides(triangles, side))
+def carved(body: TriangleMesh, cutters: Sequence[TriangleMesh]) -> TriangleMesh:
+    """The body without what lies in any of the cutters."""
+    from manifold3d import Manifold, OpType
+
+    parts = [solid(mesh) for mesh in (body, *cutters)]
+    return meshes([Manifold.batch_boolean(parts, OpType.Subtract)])[0]
+
+
+def united(bodies: Sequence[TriangleMesh]) -> TriangleMesh:
+    """All bodies as one. Sides with the same number are one side, where they lie in one plane."""
+    from manifold3d import Manifold, OpType
+
+    origin = Manifold.reserve_ids(1)
+    parts = [solid(mesh, origin) for mesh in bodies]
+    return meshes([Manifold.batch_boolean(parts, OpType.Add)])[0]
+
+
+def prism(ring: FloatArray, low_mm: float, high_mm: float) -> Manifold:
+    """The upright solid over a counterclockwise polygon, shape (n, 2), corners to 1e-8 mm."""
+    from manifold3d import CrossSection, Manifold
+
+    flat = CrossSection([np.ascontiguousarray(ring)])
+    return Manifold.extrude(flat, high_mm - low_mm).translate((0.0, 0.0, low_mm))
+
+
+def section(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
+    """The plane figure in which a body is cut at a height."""
+    rings = solid(mesh).slice(z_mm).to_polygons()
+    figures = [shapely.Polygon(ring) for ring in rings if len(ring) > 2]
+    # rings inside others are holes
+    return reduce(shapely.symmetric_difference, figures, shapely.Polygon())
+
+
+def meshes(solids: Sequence[Manifold]) -> list[TriangleMesh]:
+    """The surfaces of solids; sides that were cut in pieces are told as several."""
+    coords, triangles, sides = [], [], []
+    for number, one in enumerate(solids):
+        mesh = one.to_mesh64()
+        corners = np.asarray(mesh.tri_verts, np.int64).reshape(-1, 3)
+        # where the triangles of each of the bodies that it was made from begin
+        begin = np.searchsorted(mesh.run_index, 3 * np.arange(len(corners)), "right") - 1
+        run = np.asarray(mesh.run_original_id, np.int64)[begin]
+        side = np.column_stack([run, np.asarray(mesh.face_id, np.int64)])
+        coords.append(np.array(mesh.vert_properties[:, :3], np.float64))
+        triangles.append(corners)
+        sides.append(np.column_stack([np.full(len(corners), number), side]))
+    if not coords:
+        return []
+    starts = np.cumsum([0, *map(len, coords)])
+    shifted = [t + first for t, first in zip(triangles, starts.tolist(), strict=False)]
+    piece = _pieces_of_sides(np.concatenate(shifted), np.concatenate(sides))
+    ends = np.cumsum([len(t) for t in triangles])[:-1]
+    pieces = np.split(piece, ends)
+    return [TriangleMesh(*parts) for parts in zip(coords, triangles, pieces, strict=True)]
 
 
 def _pieces_of_sides(triangles: IntArray, side: IntArray) -> IntArray:

@@ -20,6 +20,7 @@ __all__ = [
     "fitted",
     "highest",
     "number_text",
+    "piece_name",
     "text_box",
     "text_outlines",
     "text_width",
@@ -64,6 +65,16 @@ def number_text(number: int) -> str:
     turned = text[::-1].translate(_TURNED)
     other = set(text) <= set("01689") and turned != text and turned[0] != "0"
     return f"{text}." if other else text
+
+
+def piece_name(number: int) -> str:
+    """The letters of a piece: A, B, ... Z, AA, AB, ..."""
+    name = ""
+    number += 1
+    while number:
+        number, letter = divmod(number - 1, 26)
+        name = chr(ord("A") + letter) + name
+    return name
 
 
 @cache

@@ -15,7 +15,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 import shapely
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.sparse.csgraph import breadth_first_order, connected_components, dijkstra
 
 from fab.crease import CreasePattern
 from fab.development import overlapping_faces
@@ -23,7 +23,7 @@ from fab.polygons import ring_areas
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Sheet", "extent", "partition", "upright"]
+__all__ = ["Sheet", "assembly_order", "extent", "partition", "upright"]
 
 # Rounding must not refuse a piece that is exactly as large as the bed.
 _SLACK_REL = 1e-9
@@ -53,7 +53,7 @@ class Sheet:
         first face's: shape (ne, 2, 2, 2): edge, side that carries the tab, end, coordinate.
     glued : boundary edges that are to get a tab, shape (ne,).
     room_mm : what a piece has room in, width and height.
-    room_told : what that is, for messages.
+    room_told : what that is, for messages; reach_told : what reaches out, and what sets it.
     """
 
     pattern: CreasePattern
@@ -62,6 +62,7 @@ class Sheet:
     glued: BoolArray
     room_mm: tuple[float, float]
     room_told: str = "the room of a piece"
+    reach_told: tuple[str, str] = ("tabs", "tab_mm")
 
     @cached_property
     def sides(self) -> _Lists:
@@ -268,9 +269,27 @@ def partition(sheet: Sheet, progress: Callable[[int, int], None] | None = None) 
     return sorted(pieces, key=lambda piece: int(piece[0]))
 
 
+def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
+    """Pieces in the order of assembling, outwards from the first, and the rank of each.
+
+    pairs : shape (n, 2), neighbours among `count` pieces; a piece is no neighbour of its own.
+    """
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    rank = np.full(count, -1)
+    order: list[int] = []
+    for first in range(count):
+        if rank[first] < 0:
+            reached = breadth_first_order(graph, first, directed=False, return_predecessors=False)
+            rank[reached] = len(order) + np.arange(len(reached))
+            order += reached.tolist()
+    return np.array(order), rank
+
+
 def _require_room(faces: _Faces, part: IntArray) -> None:
     """Raise `InvalidValue` for the first face that cannot be a piece of its own."""
     width, height = faces.sheet.room_mm
+    what, key = faces.sheet.reach_told
     crossed = faces.overlaps[faces.overlaps[:, 0] == faces.overlaps[:, 1], 0]
     if len(crossed):
         raise InvalidValue(
@@ -286,10 +305,10 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
         if not fits:
             box = np.ptp(points @ turn.T, axis=0)
             raise InvalidValue(
-                f"size of face {face} with its tabs",
+                f"size of face {face} with its {what}",
                 f"{box[0]:.6g} x {box[1]:.6g} mm",
                 f"fit {width:.6g} x {height:.6g} mm, {faces.sheet.room_told}",
-                "Make the sheet smaller, lower tab_mm or margin_mm, or use a larger bed.",
+                f"Make the sheet smaller, lower {key} or margin_mm, or use a larger bed.",
             )
 
 

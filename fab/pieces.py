@@ -11,14 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from pydantic import Field
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
 from fab.errors import Finding, Severity
-from fab.labels import Label, fitted, highest, number_text
-from fab.partition import Sheet, extent, partition, upright
+from fab.labels import Label, fitted, highest, number_text, piece_name
+from fab.partition import Sheet, assembly_order, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
 from solver.errors import InvalidValue, require_positive
@@ -177,7 +175,8 @@ def split(
     owner = np.empty(pattern.face_count, np.int64)
     for number, faces in enumerate(sets):
         owner[faces] = number
-    order, rank = _assembling(pattern, owner, joined, closing, [len(faces) for faces in sets])
+    pairs = np.concatenate([pattern.edges_faces[joined], pattern.edges_faces[closing, 0]])
+    order, rank = assembly_order(owner[pairs], len(sets))
     sets = [sets[number] for number in order.tolist()]
     owner = rank[owner]
     seams = _seams(pattern, owner, joined, closing, closing_angle)
@@ -238,30 +237,6 @@ def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:
     steep = np.full((len(both), 2), np.pi / 2)
     high = np.full(len(both), settings.tab_mm)
     return outer_corners(both, high, steep).reshape(-1, 2, 2, 2)
-
-
-def _assembling(
-    pattern: CreasePattern,
-    owner: IntArray,
-    joined: np.ndarray,
-    closing: IntArray,
-    sizes: Sequence[int],
-) -> tuple[IntArray, IntArray]:
-    """Pieces in the order of assembling, outwards from the first, and the rank of each."""
-    count = len(sizes)
-    pairs = np.concatenate(
-        [owner[pattern.edges_faces[joined]], owner[pattern.edges_faces[closing, 0]]]
-    )
-    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    rank = np.full(count, -1)
-    order: list[int] = []
-    for first in range(count):
-        if rank[first] < 0:
-            reached = breadth_first_order(graph, first, directed=False, return_predecessors=False)
-            rank[reached] = len(order) + np.arange(len(reached))
-            order += reached.tolist()
-    return np.array(order), rank
 
 
 def _seams(
@@ -382,7 +357,7 @@ def _piece(
     numbers = np.concatenate([faces, np.full(len(a), -1)])
     texts, labels = _labels(own, number, numbers, whole, seams, carried, side, settings)
     return Piece(
-        _name(number),
+        piece_name(number),
         own,
         numbers,
         whole,
@@ -436,16 +411,6 @@ def _folded_tops(
     return flat
 
 
-def _name(number: int) -> str:
-    """A, B, ... Z, AA, AB, ..."""
-    name = ""
-    number += 1
-    while number:
-        number, letter = divmod(number - 1, 26)
-        name = chr(ord("A") + letter) + name
-    return name
-
-
 def _labels(
     own: CreasePattern,
     number: int,
@@ -475,7 +440,7 @@ def _labels(
     tab_ends = own.vertices_coords[own.edges_vertices[tab_edge]][:, ::-1]
     lines = np.concatenate([ends, tab_ends])
     direction = lines[:, 1] - lines[:, 0]
-    name = _name(number)
+    name = piece_name(number)
     widest, middle, slant = _place_for(name, rooms[:real], face)
     texts = [name, *(number_text(s + 1) for s in seam.tolist())]
     anchors = np.concatenate([middle[None], lines.mean(axis=1)])
