@@ -79,6 +79,7 @@ def bare(sheet, back):
         faces=sheet.faces[:count],
         creases=sheet.creases[:count],
         flexible=sheet.flexible[:count],
+        held=np.empty(0, np.int64),
         joining=panels.bodies,
     )
 
@@ -126,7 +127,8 @@ def test_a_sheet_keeps_its_promise_flat_folded_and_between(miura):
 def test_what_is_promised_is_the_exact_distance(angle, share, thickness, gap, axis):
     pattern = book(angle)
     low = -axis * thickness
-    sheet = solid(pattern, thickness_mm=thickness, gap_mm=gap, axis="offset", axis_mm=-low)
+    panel = PanelSettings(thickness_mm=thickness, gap_mm=gap, axis="offset", axis_mm=-low)
+    sheet, _ = thicken(pattern, panel, HingeSettings(kind="none"))
     if len(sheet.panels.bodies) < 2:
         return
     pattern = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
