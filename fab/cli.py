@@ -153,7 +153,8 @@ def run(
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
         from fab.job import load_job
-        from fab.make import Format, grown_pattern, make, require_folder
+        from fab.make import Format, grown_pattern, left_over, make, require_folder
+        from fab.thick_files import file_names
 
         chosen = _formats(only, Format)
         loaded = load_job(job, changes)
@@ -161,7 +162,7 @@ def run(
         if suggest:
             with _progress(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
-            _say_window(pattern, loaded)
+            _say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)))
             _tell(findings)
             return
         require_folder(out)
@@ -177,8 +178,7 @@ def run(
         )
         if report["growth"]["coverage"] is not None:
             _say(f"{report['growth']['coverage']:.1%} of the surface lies under the sheet")
-        left = [out / f"{loaded.name}.{kind}" for kind in formats]
-        _tell_left([path for path in left if path.name not in made.files and path.exists()])
+        _tell_left(left_over(made.files, file_names(loaded.name, formats), out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -214,8 +214,8 @@ def fabricate(
     with _answers() as interrupts:
         from fab.crease import scaled
         from fab.drawings import SheetFormat
-        from fab.fabricate import fabricate, left_over
-        from fab.make import require_folder
+        from fab.fabricate import fabricate, sheet_names
+        from fab.make import left_over, require_folder
         from fab.materials import load_machine, load_material
         from fab.pattern_file import read_pattern
         from fab.titles import plain_title
@@ -250,7 +250,7 @@ def fabricate(
         if two_sided:
             others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
             _say(report["sheets"][0]["turn"] + others)
-        _tell_left(left_over(made.files, name, out))
+        _tell_left(left_over(made.files, sheet_names(name), out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
@@ -294,13 +294,13 @@ def thicken(
     """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
     with _answers() as interrupts:
         from fab.crease import scaled
-        from fab.make import require_folder
+        from fab.make import left_over, require_folder
         from fab.pattern_file import read_pattern
-        from fab.thick_files import ThickFormat, make_thick
+        from fab.thick_files import ORDINARY, ThickFormat, file_names, make_thick
         from fab.thick_settings import thick_settings
         from fab.titles import plain_title
 
-        formats = _formats(only, ThickFormat) or list(ThickFormat)
+        formats = _formats(only, ThickFormat) or ORDINARY
         settings = thick_settings(changes, printer, material)
         print_with = settings.print_with()
         if not suggest:
@@ -308,7 +308,7 @@ def thicken(
         pattern, findings = read_pattern(file)
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         if suggest:
-            _say_window(pattern, settings)
+            _say_window(pattern, settings.printed(print_with))
             _tell(findings)
             return
         name = plain_title(file.stem)
@@ -328,8 +328,7 @@ def thicken(
         if solids is not None:
             size = " x ".join(f"{side:.4g}" for side in made.report["bounding_box_mm"]["print"])
             _say(f"{solids['panels']} panels, {solids['hinges']} hinges, {size} mm")
-        left = [out / f"{name}_thick.{kind}" for kind in formats]
-        _tell_left([path for path in left if path.name not in made.files and path.exists()])
+        _tell_left(left_over(made.files, file_names(f"{name}_thick", formats), out))
         _tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 

@@ -8,10 +8,9 @@ pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import shapely
@@ -31,7 +30,7 @@ from fab.tour import estimate, tour
 from fab.two_sided import Registration, how_to_turn, two_sided
 from solver.errors import InvalidValue, require_count
 
-__all__ = ["fabricate", "left_over", "scaled"]
+__all__ = ["fabricate", "scaled", "sheet_names"]
 
 # Between two pieces on a sheet, in mm, and at least in kerfs.
 _GAP_MM = 2.0
@@ -128,12 +127,9 @@ def fabricate(
     return with_report(files, f"{name}_report.json", report, told)
 
 
-def left_over(files: Iterable[str], name: str, folder: Path) -> list[Path]:
-    """Sheets of the same name in `folder` that are not among `files`: those of an earlier run."""
-    sheet = re.compile(rf"{re.escape(name)}_\d+(_front|_back)?\.({'|'.join(SheetFormat)})")
-    present = sorted(folder.iterdir()) if folder.is_dir() else []
-    made = set(files)
-    return [path for path in present if sheet.fullmatch(path.name) and path.name not in made]
+def sheet_names(name: str) -> re.Pattern[str]:
+    """What the sheets of a pattern are called."""
+    return re.compile(rf"{re.escape(name)}_\d+(_front|_back)?\.({'|'.join(SheetFormat)})")
 
 
 def _sheet(

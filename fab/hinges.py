@@ -63,7 +63,8 @@ class HingeSettings(Settings):
         default=0.5,
         gt=0,
         le=10,
-        description="how far the outside of a web or film may stretch; it is made long enough",
+        description="how far the outside of a web or film may stretch: it is made long enough. "
+        "That of the print material where left out",
     )
     knuckle_mm: float = Field(
         default=4.0, ge=0.1, le=1000, description="least length of a barrel, along its crease"

@@ -139,7 +139,7 @@ class Job(ThickSettings):
         "digit: it names the files in the output folder",
     )
     description: str = ""
-    outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png"]] = Field(
+    outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png", "zip"]] = Field(
         default=["fold", "dxf", "svg", "step", "stl", "3mf", "png"],
         min_length=1,
         description="what is made where the command line does not say",

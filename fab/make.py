@@ -15,9 +15,10 @@ import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -70,6 +71,7 @@ class Format(StrEnum):
     STL = "stl"
     THREEMF = "3mf"
     PNG = "png"
+    ZIP = "zip"
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
             files[f"{job.name}.fold"] = fold_bytes(pattern, job.name)
     findings += _flat_files(job, pattern, wanted, files, clock)
     solids: dict[str, Any] | None = None
-    if wanted & {Format.STEP, Format.STL, Format.THREEMF}:
+    if wanted & {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}:
         solids = _solid_files(job, pattern, wanted, files, findings, boxes, clock)
     simulation: dict[str, Any] | None = None
     if job.simulation is not None:
@@ -241,10 +243,9 @@ def _solid_files(
     if made.figures is None or made.print_mm is None:
         return None
     boxes["print"] = made.print_mm
-    for kind, data in made.data.items():
-        end = f"_thick.{kind}" if kind == ThickFormat.PNG else f".{kind}"
-        files[job.name + end] = data
-    return dataclasses.asdict(made.figures)
+    for end, data in made.data.items():
+        files[job.name + ("_thick.png" if end == ".png" else end)] = data
+    return {**dataclasses.asdict(made.figures), "plates": made.plates}
 
 
 def _growth_findings(growth: Growth) -> list[Finding]:
@@ -292,6 +293,13 @@ def _version() -> str:
         return version("quadfold")
     except PackageNotFoundError:
         return "not installed"
+
+
+def left_over(files: Iterable[str], kind: re.Pattern[str], folder: Path) -> list[Path]:
+    """What a folder has of a kind that is not among `files`: that of an earlier run."""
+    present = sorted(folder.iterdir()) if folder.is_dir() else []
+    made = set(files)
+    return [path for path in present if kind.fullmatch(path.name) and path.name not in made]
 
 
 def require_folder(folder: Path) -> None:

@@ -28,6 +28,8 @@ from fab.thick import ThickSheet
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import BoolArray, FloatArray, IntArray
 
+# Where neither the settings nor a printer say it.
+_MARGIN_MM = 5.0
 # Outlines are told on a grid, so that the sides of faces meet.
 _GRID_MM = 1e-6
 
@@ -37,8 +39,11 @@ __all__ = ["Part", "PlateSettings", "Plates", "make_plates"]
 class PlateSettings(Settings):
     """How parts lie on the printer's bed, and how they are joined."""
 
-    margin_mm: float = Field(
-        default=5.0, ge=0, le=1000, description="kept free along the edges of the bed"
+    margin_mm: float | None = Field(
+        default=None,
+        ge=0,
+        le=1000,
+        description="kept free along the edges of the bed; where left out, that of the printer",
     )
     part_gap_mm: float = Field(
         default=3.0, ge=0.1, le=1000, description="least distance of two parts on a plate"
@@ -194,19 +199,24 @@ def make_plates(
         shapely.transform(outline, lambda points, turn=turn: points @ turn.T)
         for outline, turn in zip(_outlines(sheet, joints, owner), turns, strict=True)
     ]
-    margin, gap = settings.margin_mm, settings.part_gap_mm
+    margin, gap = _margin_mm(settings), settings.part_gap_mm
     placements = nest(outlines, bed_mm, gap, margin_mm=margin, progress=placed)
     parts = _parts(whole, turns, owner, owner[homes], placements)
     return Plates(whole, parts, tuple(joints), bed_mm), findings
 
 
 def _room(bed_mm: tuple[float, float], settings: PlateSettings) -> tuple[float, float]:
+    margin = _margin_mm(settings)
     for name, length in zip(("bed width", "bed depth"), bed_mm, strict=True):
         require_positive(name, length, "Give the size of the bed in mm.")
-        if length <= 2 * settings.margin_mm:
-            bound = f"be greater than 2 x margin_mm = {2 * settings.margin_mm:g} mm"
+        if length <= 2 * margin:
+            bound = f"be greater than 2 x margin_mm = {2 * margin:g} mm"
             raise InvalidValue(name, f"{length:g} mm", bound, "Lower margin_mm.")
-    return bed_mm[0] - 2 * settings.margin_mm, bed_mm[1] - 2 * settings.margin_mm
+    return bed_mm[0] - 2 * margin, bed_mm[1] - 2 * margin
+
+
+def _margin_mm(settings: PlateSettings) -> float:
+    return _MARGIN_MM if settings.margin_mm is None else settings.margin_mm
 
 
 def _flat(
@@ -223,7 +233,7 @@ def _flat(
     high = np.repeat(depths_mm(sheet, settings.joints), 2)
     reach = outer_corners(both, high, np.full((len(both), 2), np.pi / 2)).reshape(-1, 2, 2, 2)
     told = (
-        f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less margin_mm = {settings.margin_mm:g} "
+        f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less margin_mm = {_margin_mm(settings):g} "
         "on each side"
     )
     none = np.zeros(len(joined), bool)

@@ -6,30 +6,41 @@ crease pattern -> panels, hinges -> joined body -> checks -> STEP, STL, 3MF, PNG
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from fab.bodies import TriangleMesh, bodies_of
 from fab.clearance import SolidFigures, inspect_thick
 from fab.clock import Clock, Progress, silent
 from fab.crease import CreasePattern
-from fab.errors import Finding
+from fab.errors import Finding, Severity
 from fab.make import Made, box_mm, with_report
+from fab.plates import Plates, make_plates
 from fab.states import folded_states
+from fab.stl import body_stls, inspect_stl, stl_bytes
 from fab.thick import thicken
 from fab.thick_settings import UNKNOWN, PrintWith, ThickSettings
+from fab.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
 
-__all__ = ["ThickFiles", "ThickFormat", "make_thick", "thick_files"]
+__all__ = ["ORDINARY", "ThickFiles", "ThickFormat", "file_names", "make_thick", "thick_files"]
 
 
 class ThickFormat(StrEnum):
-    """The kinds of files of a thick sheet, named by their endings."""
+    """The kinds of files of a thick sheet, named by their endings; zip has an STL of each body."""
 
     STEP = "step"
     STL = "stl"
     THREEMF = "3mf"
     PNG = "png"
+    ZIP = "zip"
+
+
+# What is made where nobody says what: a zip of all bodies is for other programs.
+ORDINARY = (ThickFormat.STEP, ThickFormat.STL, ThickFormat.THREEMF, ThickFormat.PNG)
 
 
 @dataclass(frozen=True)
@@ -38,13 +49,17 @@ class ThickFiles:
 
     Attributes
     ----------
-    data : bytes of each format; empty where there is no panel.
+    data : bytes of each file, by what follows the name: ".step", "_plate_1.stl"; empty where there
+        is no panel.
+    plates : which part is printed on which plate, and how they are joined (`fab.plates`); None
+        where the sheet is printed in one.
     figures : what the check of the bodies measured; None where there is no panel.
     print_mm : sides of the joined body's box, flat; None where there is none.
     findings : of panels, hinges and checks.
     """
 
-    data: Mapping[ThickFormat, bytes]
+    data: Mapping[str, bytes]
+    plates: dict[str, Any] | None
     figures: SolidFigures | None
     print_mm: list[float] | None
     findings: tuple[Finding, ...]
@@ -64,14 +79,14 @@ def thick_files(
     """
     from fab.joining import joined_mesh
     from fab.step import step_bytes
-    from fab.stl import inspect_stl, stl_bytes
-    from fab.threemf import sheet_parts, threemf_bytes
 
+    settings = settings.printed(print_with)
+    printer = print_with.printer
     with clock.stage("panels"):
         sheet, found = thicken(pattern, settings.panels, settings.hinges)
     findings = list(found)
     if not len(sheet.bodies):
-        return ThickFiles({}, None, None, tuple(findings))
+        return ThickFiles({}, None, None, None, tuple(findings))
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
@@ -81,7 +96,7 @@ def thick_files(
             joined,
             states,
             limit_deg=settings.panels.fold_limit_deg,
-            printer=print_with.printer,
+            printer=printer,
             material=print_with.material,
             progress=clock.progress,
         )
@@ -89,25 +104,84 @@ def thick_files(
         apart = set(settings.hinges.kinds) == {"none"}
         told = [finding for finding in found if not (apart and finding.code == "panels-loose")]
         findings += [*unknown, *told]
-    data: dict[ThickFormat, bytes] = {}
+    plates: Plates | None = None
+    if printer is not None and _divisible(settings, findings):
+        with clock.stage("plates") as step:
+            plates, found = make_plates(sheet, printer.bed_mm, settings.plates, step)
+        findings = [f for f in findings if f.code != "print-too-large"]
+        findings += [_divided(plates), *found]
+    data: dict[str, bytes] = {}
     if ThickFormat.STEP in formats:
         with clock.stage("step"):
-            data[ThickFormat.STEP] = step_bytes(sheet, name)
+            data[".step"] = step_bytes(sheet if plates is None else plates.sheet, name)
     if ThickFormat.STL in formats:
         with clock.stage("stl"):
-            data[ThickFormat.STL] = stl_bytes(joined)
-            findings += inspect_stl(joined)
+            surfaces = {".stl": joined} if plates is None else _plate_surfaces(plates)
+            data |= {end: stl_bytes(surface) for end, surface in surfaces.items()}
+            for surface in surfaces.values():
+                findings += inspect_stl(surface)
     if ThickFormat.THREEMF in formats:
         with clock.stage("3mf"):
-            data[ThickFormat.THREEMF] = threemf_bytes(sheet_parts(sheet), name)
+            whole = {".3mf": [PrintObject(name, tuple(sheet_parts(sheet)))]}
+            prints = whole if plates is None else _plate_objects(plates)
+            data |= {end: threemf_bytes(objects, name) for end, objects in prints.items()}
+    if ThickFormat.ZIP in formats:
+        with clock.stage("zip"):
+            data["_bodies.zip"] = body_stls(sheet if plates is None else plates.sheet)
     if ThickFormat.PNG in formats:
         from fab.thick_picture import thick_png_bytes
 
         with clock.stage("thick png"):
             reached = states[len(figures.states) - 1]  # as far as the panels are made for
             folded = reached if len(figures.states) > 1 else None
-            data[ThickFormat.PNG] = thick_png_bytes(sheet, name, folded)
-    return ThickFiles(data, figures, box_mm(joined.vertices_coords), tuple(findings))
+            data[".png"] = thick_png_bytes(sheet, name, folded)
+    guide = None if plates is None else plates.guide()
+    return ThickFiles(data, guide, figures, box_mm(joined.vertices_coords), tuple(findings))
+
+
+def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
+    """What files of some formats are called, with plates or without."""
+    return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
+
+
+def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:
+    """Whether a sheet is too large for its bed, and has hinges that parts can be joined by."""
+    large = any(finding.code == "print-too-large" for finding in findings)
+    return large and set(settings.hinges.kinds) <= {"web", "none"}
+
+
+def _divided(plates: Plates) -> Finding:
+    kinds = Counter(joint.kind for joint in plates.joints)
+    joints = ", ".join(f"{count} by {kind}" for kind, count in sorted(kinds.items()))
+    text = (
+        f"larger than the bed: printed in {len(plates.parts)} parts on {plates.count} plates, "
+        f"joined at {len(plates.joints)} creases ({joints or 'none'}). plates in the report says "
+        "which goes where."
+    )
+    return Finding("sheet-divided", Severity.NOTE, text)
+
+
+def _plate_surfaces(plates: Plates) -> dict[str, TriangleMesh]:
+    """All parts of each plate as one surface."""
+    out = {}
+    for plate in range(plates.count):
+        parts = [part.mesh for part in plates.parts if part.plate == plate]
+        every = bodies_of(parts)
+        out[f"_plate_{plate + 1}.stl"] = TriangleMesh(
+            every.vertices_coords, every.triangles, every.triangles_plane
+        )
+    return out
+
+
+def _plate_objects(plates: Plates) -> dict[str, list[PrintObject]]:
+    """All parts of each plate, each an object of its own."""
+    sheet = plates.sheet
+    out: dict[str, list[PrintObject]] = {}
+    for part in sorted(plates.parts, key=lambda part: part.plate):
+        flexible, creases = sheet.flexible[part.numbers], sheet.creases[part.numbers]
+        parts = tuple(body_parts(plates.bodies(part), flexible, creases))
+        out.setdefault(f"_plate_{part.plate + 1}.3mf", []).append(PrintObject(part.name, parts))
+    return out
 
 
 def make_thick(
@@ -116,20 +190,24 @@ def make_thick(
     settings: ThickSettings,
     *,
     print_with: PrintWith = UNKNOWN,
-    formats: Sequence[ThickFormat] = tuple(ThickFormat),
+    formats: Sequence[ThickFormat] = ORDINARY,
     findings: Sequence[Finding] = (),
     progress: Progress = silent,
 ) -> Made:
     """Files of any crease pattern as a thick sheet: NAME_thick.step, .stl, .3mf, .png and a report.
 
+    A sheet of web hinges that is larger than its printer's bed gets an .stl and a .3mf for each
+    plate, NAME_thick_plate_1.stl and so on.
+
     pattern : in millimetres; findings : of its reader, told again in the report, which is the file
     `name`_thick_report.json. progress : called with (stage, steps done, steps in the stage).
     """
     clock = Clock(progress)
+    settings = settings.printed(print_with)
     made = thick_files(pattern, name, settings, formats, clock, print_with)
     told = (*findings, *made.findings)
     printer, material = print_with.printer, print_with.material
-    files = {f"{name}_thick.{kind}": data for kind, data in made.data.items()}
+    files = {f"{name}_thick{end}": data for end, data in made.data.items()}
     report: dict[str, Any] = {
         "name": name,
         "settings": settings.model_dump(mode="json"),
@@ -138,6 +216,7 @@ def make_thick(
         "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
         "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
         "solids": None if made.figures is None else dataclasses.asdict(made.figures),
+        "plates": made.plates,
         "seconds": clock.seconds,
     }
     return with_report(files, f"{name}_thick_report.json", report, told)

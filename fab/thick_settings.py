@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
 from fab.hinges import HingeSettings, heights_over_axes_mm
 from fab.panels import PanelSettings
+from fab.plates import PlateSettings
 from fab.printers import Printer, PrintMaterial, load_print_material, load_printer
 from fab.settings import Settings, apply_change, checked
 
@@ -41,11 +42,26 @@ class ThickSettings(Settings):
     panels: PanelSettings = PanelSettings()
     hinges: HingeSettings = HingeSettings()
     printer: PrinterSettings = PrinterSettings()
+    plates: PlateSettings = PlateSettings()
 
     @model_validator(mode="after")
     def _hinges_fit_panels(self) -> ThickSettings:
         heights_over_axes_mm(self.panels, self.hinges)
         return self
+
+    def printed(self, print_with: PrintWith) -> Self:
+        """The same, with what they leave to the printer and its material.
+
+        That is how far webs may stretch, and the margin of plates.
+        """
+        printer, material = print_with.printer, print_with.material
+        hinges, plates = self.hinges, self.plates
+        if material is not None and material.strain_max is not None:
+            given = {"strain_max": material.strain_max, **hinges.model_dump(exclude_unset=True)}
+            hinges = hinges.model_copy(update={"strain_max": given["strain_max"]})
+        if printer is not None and plates.margin_mm is None:
+            plates = plates.model_copy(update={"margin_mm": printer.margin_mm})
+        return self.model_copy(update={"hinges": hinges, "plates": plates})
 
     def print_with(self, folder: Path = Path()) -> PrintWith:
         """The printer and the material that are named. Raises `InvalidJob` for unknown ones.

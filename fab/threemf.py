@@ -1,12 +1,12 @@
-"""How do bodies of one or two materials become one object in a 3MF file?
+"""How do bodies of one or two materials become objects in a 3MF file?
 
-The object is one mesh. Its triangles name their material as the core specification has it, and
+An object is one mesh. Its triangles name their material as the core specification has it, and
 PrusaSlicer's own table says which run of them is which volume, of what name, for which extruder.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from xml.sax.saxutils import quoteattr
 
@@ -17,9 +17,9 @@ from fab.body_colours import FILM, HINGE, PANEL, Rgb
 from fab.package import zip_bytes
 from fab.thick import ThickSheet
 from solver.errors import InvalidValue
-from solver.vectors import IntArray
+from solver.vectors import BoolArray, IntArray
 
-__all__ = ["Part", "sheet_parts", "threemf_bytes"]
+__all__ = ["Part", "PrintObject", "body_parts", "sheet_parts", "threemf_bytes"]
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OPC = "http://schemas.openxmlformats.org/package/2006"
@@ -39,6 +39,10 @@ _RELATIONS = (
 )
 
 
+# Numbers of objects; that of the materials is 1.
+_FIRST = 2
+
+
 @dataclass(frozen=True)
 class Part:
     """What is printed of one material: its name, its surface, the number of its extruder from 1."""
@@ -49,21 +53,34 @@ class Part:
     colour: Rgb = PANEL
 
 
+@dataclass(frozen=True)
+class PrintObject:
+    """What stays together on the plate: its name, and its parts, which touch each other."""
+
+    name: str
+    parts: tuple[Part, ...]
+
+
 def sheet_parts(sheet: ThickSheet) -> list[Part]:
     """The rigid bodies of a sheet for the first extruder, and the flexible ones for the second.
 
     Bodies of both touch each other and do not overlap. They stand on z = 0.
     """
-    ground = sheet.bodies.vertices_coords[:, 2].min(initial=0.0)
+    return body_parts(sheet.bodies, sheet.flexible, sheet.creases)
+
+
+def body_parts(bodies: Bodies, flexible: BoolArray, creases: IntArray) -> list[Part]:
+    """The same of any bodies; flexible, creases : shape (n,), as in a `ThickSheet`."""
+    ground = bodies.vertices_coords[:, 2].min(initial=0.0)
     parts = []
-    hinged = bool((sheet.creases[sheet.flexible] >= 0).any())
+    hinged = bool((creases[flexible] >= 0).any())
     soft = ("hinges", HINGE["V"]) if hinged else ("film", FILM)
     for extruder, chosen, (name, colour) in (
-        (1, ~sheet.flexible, ("panels", PANEL)),
-        (2, sheet.flexible, soft),
+        (1, ~flexible, ("panels", PANEL)),
+        (2, flexible, soft),
     ):
         if chosen.any():
-            surface = _surface(sheet.bodies.chosen(np.flatnonzero(chosen)), float(ground))
+            surface = _surface(bodies.chosen(np.flatnonzero(chosen)), float(ground))
             parts.append(Part(name, surface, extruder, colour))
     return parts
 
@@ -73,69 +90,84 @@ def _surface(bodies: Bodies, ground_mm: float) -> TriangleMesh:
     return TriangleMesh(coords, bodies.triangles, bodies.triangles_plane)
 
 
-def threemf_bytes(parts: Sequence[Part], name: str) -> bytes:
-    """3MF package with one object, in millimetres; no dates, so the same parts give the same bytes.
+def threemf_bytes(objects: Sequence[PrintObject], name: str) -> bytes:
+    """3MF package in millimetres; no dates, so the same objects give the same bytes.
 
     Coordinates are rounded to 1e-6 mm; vertices keep their own places, so surfaces stay closed.
 
     Raises `InvalidValue` without a triangle.
     """
-    ends = np.cumsum([0, *(len(part.mesh.triangles) for part in parts)])
-    if not ends[-1]:
-        raise InvalidValue("parts", len(parts), "have triangles", "Give a sheet with panels.")
+    if not sum(len(part.mesh.triangles) for each in objects for part in each.parts):
+        raise InvalidValue("objects", len(objects), "have triangles", "Give a sheet with panels.")
     return zip_bytes(
         {
             "[Content_Types].xml": _TYPES.encode(),
             "_rels/.rels": _RELATIONS.encode(),
-            "3D/3dmodel.model": _model(parts, name).encode(),
-            "Metadata/Slic3r_PE_model.config": _volumes(parts, name, ends).encode(),
+            "3D/3dmodel.model": _model(objects, name).encode(),
+            "Metadata/Slic3r_PE_model.config": _volumes(objects).encode(),
         }
     )
 
 
-def _model(parts: Sequence[Part], name: str) -> str:
-    title = quoteattr(name)
+def _model(objects: Sequence[PrintObject], name: str) -> str:
+    every = [(part.name, part.colour) for each in objects for part in each.parts]
+    materials = {material: number for number, material in enumerate(dict.fromkeys(every))}
     bases = "".join(
-        f"<base name={quoteattr(part.name)} displaycolor="
-        f'"#{"".join(f"{round(255 * x):02X}" for x in part.colour)}"/>'
-        for part in parts
+        f"<base name={quoteattr(title)} displaycolor="
+        f'"#{"".join(f"{round(255 * x):02X}" for x in colour)}"/>'
+        for title, colour in materials
     )
     pieces = [
         f'{_HEAD}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n'
-        f'<metadata name="Title">{title[1:-1]}</metadata>\n'
+        f'<metadata name="Title">{quoteattr(name)[1:-1]}</metadata>\n'
         f'<resources><basematerials id="1">{bases}</basematerials>\n'
-        f'<object id="2" type="model" name={title} pid="1" pindex="0"><mesh>\n<vertices>'
     ]
-    for part in parts:
+    for number, each in enumerate(objects, _FIRST):
+        pieces += _object(each, number, materials)
+    items = "".join(f'<item objectid="{k}"/>' for k in range(_FIRST, _FIRST + len(objects)))
+    return "".join([*pieces, f"</resources>\n<build>{items}</build>\n</model>\n"])
+
+
+def _object(
+    each: PrintObject, number: int, materials: Mapping[tuple[str, Rgb], int]
+) -> Iterator[str]:
+    numbers = [materials[part.name, part.colour] for part in each.parts]
+    yield (
+        f'<object id="{number}" type="model" name={quoteattr(each.name)} pid="1" '
+        f'pindex="{numbers[0]}"><mesh>\n<vertices>'
+    )
+    for part in each.parts:
         rows = part.mesh.vertices_coords
-        pieces.append('<vertex x="%.6f" y="%.6f" z="%.6f"/>' * len(rows) % tuple(rows.flat))
-    pieces.append("</vertices>\n<triangles>")
+        yield '<vertex x="%.6f" y="%.6f" z="%.6f"/>' * len(rows) % tuple(rows.flat)
+    yield "</vertices>\n<triangles>"
     first = 0
-    for number, part in enumerate(parts):
+    for place, part in zip(numbers, each.parts, strict=True):
         corners: IntArray = part.mesh.triangles + first
         # the first material is the object's own
-        material = f' pid="1" p1="{number}"' if number else ""
+        material = f' pid="1" p1="{place}"' if place != numbers[0] else ""
         text = f'<triangle v1="%d" v2="%d" v3="%d"{material}/>'
-        pieces.append(text * len(corners) % tuple(corners.flat))
+        yield text * len(corners) % tuple(corners.flat)
         first += len(part.mesh.vertices_coords)
-    pieces.append(
-        "</triangles>\n</mesh></object></resources>\n"
-        '<build><item objectid="2"/></build>\n</model>\n'
-    )
-    return "".join(pieces)
+    yield "</triangles>\n</mesh></object>\n"
 
 
-def _volumes(parts: Sequence[Part], name: str, ends: IntArray) -> str:
-    """PrusaSlicer's table of the volumes of the object."""
-    lines = [f'{_HEAD}<config>\n<object id="2" instances_count="1">']
-    lines.append(f'<metadata type="object" key="name" value={quoteattr(name)}/>')
-    for part, first, end in zip(parts, ends[:-1].tolist(), ends[1:].tolist(), strict=True):
-        lines.append(f'<volume firstid="{first}" lastid="{end - 1}">')
-        for key, value in (
-            ("name", part.name),
-            ("volume_type", "ModelPart"),
-            ("extruder", str(part.extruder)),
-        ):
-            lines.append(f'<metadata type="volume" key="{key}" value={quoteattr(value)}/>')
-        lines.append("</volume>")
-    return "\n".join([*lines, "</object>\n</config>\n"])
+def _volumes(objects: Sequence[PrintObject]) -> str:
+    """PrusaSlicer's table of the volumes of all objects."""
+    lines = [f"{_HEAD}<config>"]
+    for number, each in enumerate(objects, _FIRST):
+        lines.append(f'<object id="{number}" instances_count="1">')
+        lines.append(f'<metadata type="object" key="name" value={quoteattr(each.name)}/>')
+        first = 0
+        for part in each.parts:
+            end = first + len(part.mesh.triangles)
+            lines.append(f'<volume firstid="{first}" lastid="{end - 1}">')
+            first = end
+            for key, value in (
+                ("name", part.name),
+                ("volume_type", "ModelPart"),
+                ("extruder", str(part.extruder)),
+            ):
+                lines.append(f'<metadata type="volume" key="{key}" value={quoteattr(value)}/>')
+            lines.append("</volume>")
+        lines.append("</object>")
+    return "\n".join([*lines, "</config>\n"])

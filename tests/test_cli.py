@@ -7,9 +7,13 @@ import signal
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree as ElementTree
+import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 from click.testing import CliRunner
 from helpers import ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
 
@@ -176,7 +180,60 @@ def test_thicken_makes_files_of_any_fold_file(here, axis):
     left = run("thicken", file, *words, "--set", "panels.thickness_mm=200.0", "--out", "out")
     assert left.exit_code == 1
     assert "error: panel-vanishes: 9 faces have no panel" in left.output
-    assert "square_twist_thick.step and 3 more of this name are from an earlier run" in left.output
+    assert "square_twist_thick.3mf and 3 more of this name are from an earlier run" in left.output
+
+
+def test_thicken_prints_what_is_larger_than_the_bed_in_parts(here):
+    words = ["--set", "panels.fold_limit_deg=120.0", "--printer", "prusa_mk4s", "--out", "out"]
+    file = PATTERNS / "square_twist.fold"
+    result = run("thicken", file, *words, "--width-mm", "400", "--only", "stl,3mf,zip")
+    assert result.exit_code == 0, result.output
+    report = json.loads((here / "out" / "square_twist_thick_report.json").read_text())
+    plates = report["plates"]["plates"]
+    assert len(plates) > 1
+    assert sorted(face for plate in plates for p in plate for face in p["panels"]) == list(range(9))
+    made = {f"square_twist_thick_plate_{k + 1}" for k in range(len(plates))}
+    assert set(names_in("out")) == {
+        *(f"{name}.{kind}" for name in made for kind in ("stl", "3mf")),
+        "square_twist_thick_bodies.zip",
+        "square_twist_thick_report.json",
+    }
+    assert "note: sheet-divided" in result.output
+    assert "print-too-large" not in result.output
+    for name, parts in zip(sorted(made), plates, strict=True):
+        mesh = trimesh.load(here / "out" / f"{name}.stl")
+        assert mesh.is_watertight
+        assert mesh.bounds[0] == pytest.approx([*mesh.bounds[0][:2], 0.0], abs=1e-6)
+        assert (mesh.bounds[0][:2] >= 5 - 1e-4).all()
+        assert (mesh.bounds[1][:2] <= np.array([250, 210]) - 5 + 1e-4).all()
+        package = zipfile.ZipFile(here / "out" / f"{name}.3mf")
+        model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
+        core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+        names = [thing.get("name") for thing in model.iter(f"{core}object")]
+        assert names == [part["part"] for part in parts]
+    again = run("thicken", file, *words, "--width-mm", "150", "--only", "stl")
+    assert again.exit_code == 0, again.output
+    assert "square_twist_thick_plate_1.stl and" in again.output
+    film = run("thicken", file, *words, "--width-mm", "400", "--set", "hinges.kind=film")
+    assert film.exit_code == 1
+    assert "error: print-too-large" in film.output
+
+
+def test_thicken_lengthens_webs_for_the_material(here):
+    words = ["--set", "panels.fold_limit_deg=90.0", "--set", "panels.thickness_mm=0.8"]
+    file = PATTERNS / "square_twist.fold"
+    webs = []
+    for material in ("tpu_95a_filament", "petg_filament"):
+        out = run(
+            "thicken", file, *words, "--material", material, "--out", material, "--only", "stl"
+        )
+        report = json.loads((here / material / "square_twist_thick_report.json").read_text())
+        webs.append(report["settings"]["hinges"]["strain_max"])
+        assert "hinge-strains" not in out.output
+    assert webs == [0.5, 0.05]
+    own = [*words, "--set", "hinges.strain_max=0.2", "--material", "petg_filament"]
+    result = run("thicken", file, *own, "--dry-run", "--only", "stl")
+    assert "hinge-strains" in result.output
 
 
 def test_thicken_suggests_a_size_for_a_file(here):
@@ -278,12 +335,16 @@ def test_what_the_terminal_cannot_show_is_escaped(here):
 
 def test_python_of_the_readme_runs(here):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 1
+    assert len(blocks) == 2
     done = subprocess.run(
         [sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=True
     )
     assert "grown 360 faces" in done.stdout
     assert names_in("out") == ["report.json", "sheet.dxf", "sheet.fold"]
+    assert run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "fold").exit_code == 0
+    subprocess.run([sys.executable, "-c", blocks[1]], capture_output=True, text=True, check=True)
+    folded = Path("folded.step").read_text()
+    assert folded.count("MANIFOLD_SOLID_BREP(") == 80
 
 
 def test_the_laser_part_of_the_readme_does_what_it_says(here):

@@ -24,11 +24,11 @@ from scipy.spatial import cKDTree
 from fab.cli import main
 from fab.drawings import SheetFormat
 from fab.errors import InvalidJob, Severity
-from fab.fabricate import fabricate, left_over, scaled
+from fab.fabricate import fabricate, scaled, sheet_names
 from fab.fold_file import fold_bytes
 from fab.job import load_job
 from fab.labels import number_text
-from fab.make import Format, make
+from fab.make import Format, left_over, make
 from fab.materials import load_machine, load_material, perforation_for, shipped_of
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
@@ -551,9 +551,9 @@ def test_sheets_of_an_earlier_run_are_named(here):
     assert len(sheets) > 1
     result = run(*words)
     assert f"note: yoshimura_2.svg{' and' if len(sheets) > 2 else ' is from'}" in result.output
-    left = left_over(["yoshimura_1.svg"], "yoshimura", here)
+    left = left_over(["yoshimura_1.svg"], sheet_names("yoshimura"), here)
     assert [path.name for path in left] == sorted(set(sheets) - {"yoshimura_1.svg"})
-    assert left_over([], "yoshimura", here / "missing") == []
+    assert left_over([], sheet_names("yoshimura"), here / "missing") == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")

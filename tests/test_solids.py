@@ -18,7 +18,7 @@ from fab.body_colours import body_colours
 from fab.joining import joined_mesh, manifold_of
 from fab.step import step_bytes
 from fab.stl import body_stls, inspect_stl, stl_bytes
-from fab.threemf import Part, sheet_parts, threemf_bytes
+from fab.threemf import Part, PrintObject, sheet_parts, threemf_bytes
 from solver import InvalidValue
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
@@ -113,7 +113,9 @@ def settings_of(node) -> dict[str, str]:
 
 def test_threemf_is_one_object_with_a_volume_for_each_material(sheet):
     name = 'name with "<&>"'
-    model, config, vertices, triangles = read_model(threemf_bytes(sheet_parts(sheet), name))
+    model, config, vertices, triangles = read_model(
+        threemf_bytes([PrintObject(name, tuple(sheet_parts(sheet)))], name)
+    )
     assert model.get("unit") == "millimeter"
     (thing,) = model.iter(f"{CORE}object")
     assert thing.get("name") == name
@@ -156,7 +158,7 @@ def test_parts_are_named_by_what_is_flexible(sheet):
 
 def test_threemf_of_one_part_is_one_volume(sheet):
     joined = joined_mesh(sheet.joining)
-    data = threemf_bytes([Part("sheet", joined, 1)], "miura")
+    data = threemf_bytes([PrintObject("miura", (Part("sheet", joined, 1),))], "miura")
     _, config, vertices, triangles = read_model(data)
     assert vertices == pytest.approx(joined.vertices_coords, abs=1e-6)
     assert (triangles == joined.triangles).all()
@@ -164,8 +166,31 @@ def test_threemf_of_one_part_is_one_volume(sheet):
     assert trimesh.Trimesh(vertices, triangles).is_watertight
 
 
+def test_threemf_keeps_objects_apart(sheet):
+    parts = sheet_parts(sheet)
+    objects = [PrintObject("A", tuple(parts)), PrintObject("B", tuple(reversed(parts)))]
+    model, config, _, _ = read_model(threemf_bytes(objects, "plate"))
+    things = list(model.iter(f"{CORE}object"))
+    assert [thing.get("name") for thing in things] == ["A", "B"]
+    numbers = [thing.get("id") for thing in things]
+    assert [item.get("objectid") for item in model.iter(f"{CORE}item")] == numbers
+    assert [entry.get("id") for entry in config.findall("object")] == numbers
+    assert [base.get("name") for base in model.iter(f"{CORE}base")] == ["panels", "hinges"]
+    for thing, entry, order in zip(things, config, (parts, parts[::-1]), strict=True):
+        triangles = list(thing.iter(f"{CORE}triangle"))
+        assert max(int(t.get("v1")) for t in triangles) < len(list(thing.iter(f"{CORE}vertex")))
+        names = [settings_of(volume)["name"] for volume in entry.findall("volume")]
+        assert names == [part.name for part in order]
+        own = int(thing.get("pindex"))
+        soft = np.array([int(t.get("p1", own)) for t in triangles])
+        first = len(order[0].mesh.triangles)
+        assert set(soft[:first]) == {own}
+        assert set(soft[first:]) == {1 - own}
+        assert int(entry.findall("volume")[1].get("firstid")) == first
+
+
 def test_threemf_needs_triangles():
-    with pytest.raises(InvalidValue, match="parts"):
+    with pytest.raises(InvalidValue, match="objects"):
         threemf_bytes([], "nothing")
 
 
@@ -175,7 +200,9 @@ def test_threemf_keeps_any_coordinates_to_a_millionth(numbers, extruder):
     coords = np.array(numbers).reshape(4, 3)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     part = Part("one", TriangleMesh(coords, faces, np.arange(4)), extruder)
-    _, config, vertices, triangles = read_model(threemf_bytes([part, part], "any"))
+    _, config, vertices, triangles = read_model(
+        threemf_bytes([PrintObject("any", (part, part))], "any")
+    )
     assert vertices == pytest.approx(np.tile(coords, (2, 1)), abs=5.001e-7)
     assert (triangles == np.concatenate([faces, faces + 4])).all()
     rows = [settings_of(volume) for volume in config.findall("object/volume")]

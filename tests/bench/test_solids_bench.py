@@ -18,7 +18,7 @@ from fab.hinges import HingeSettings
 from fab.panels import PanelSettings
 from fab.step import step_bytes
 from fab.thick import ThickSheet, thicken
-from fab.threemf import sheet_parts, threemf_bytes
+from fab.threemf import PrintObject, sheet_parts, threemf_bytes
 from solver import Miura
 
 SIDES = (10, 20, 40, 80)
@@ -139,7 +139,7 @@ def test_step_costs_little_more_than_a_bare_writer(benchmark):
 def test_threemf_costs_little_more_than_its_bytes(benchmark):
     taken, floors = [], []
     for side in SIDES:
-        parts = sheet_parts(sheet_of(side))
+        parts = [PrintObject("sheet", tuple(sheet_parts(sheet_of(side))))]
         data = threemf_bytes(parts, "sheet")
         with zipfile.ZipFile(io.BytesIO(data)) as package:
             files = {name: package.read(name) for name in package.namelist()}
