@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["held_together", "inspect_joined", "inspect_soundness", "parts_of"]
 
 _VOLUME_REL = 1e-9
+# Corners too near to each other for single precision become one where bodies are joined.
+_JOINED_REL = 1e-6
 
 
 def inspect_soundness(sheet: ThickSheet, solids: list[Manifold]) -> list[Finding]:
@@ -58,7 +60,7 @@ def inspect_joined(sheet: ThickSheet, joined: TriangleMesh) -> list[Finding]:
 
     whole = manifold_of(joined)
     total = float(sheet.bodies.volumes_mm3().sum())
-    if whole.status() == Error.NoError and abs(whole.volume() - total) <= _VOLUME_REL * total:
+    if whole.status() == Error.NoError and abs(whole.volume() - total) <= _JOINED_REL * total:
         return []
     return [
         Finding(

@@ -151,7 +151,8 @@ def test_what_is_joined_is_closed_and_has_the_volume_of_its_parts(mesh, gap, thi
     if len(development.overlaps) == 0 and len(volumes):
         body = manifold_of(joined_mesh(sheet.joining))
         assert body.status() == Error.NoError
-        assert body.volume() == pytest.approx(volumes.sum(), rel=1e-9)
+        # corners within 1e-4 mm become one
+        assert body.volume() == pytest.approx(volumes.sum(), rel=1e-7)
 
 
 @pytest.mark.parametrize("kind", KINDS)
