@@ -446,7 +446,7 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
     with _answers():
-        from fab.materials import described
+        from fab.described import described
 
         listed = described("materials" if kind == "materials" else "machines")
         width = max(map(len, listed))

@@ -5,20 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from fab.materials import Described, load_described
+from fab.described import Bedded, Described, load_described
 
 __all__ = ["PrintMaterial", "Printer", "load_print_material", "load_printer"]
 
 
-class Printer(Described):
+class Printer(Bedded):
     """A 3D printer: how large, how fine, and how far it prints over air."""
 
     kind: Literal["printer"]
-    bed_mm: tuple[float, float] = Field(strict=False, description="width and depth")
     height_mm: float = Field(gt=0, le=1e5, description="of the tallest print")
-    margin_mm: float = Field(ge=0, le=500, description="of the bed, on all sides, kept free")
     nozzle_mm: float = Field(gt=0, le=10, description="diameter, or the width of a beam")
     layer_mm: float = Field(gt=0, le=10, description="height of the layers")
     least_gap_mm: float = Field(
@@ -30,31 +28,13 @@ class Printer(Described):
     bridge_mm: float = Field(ge=0, le=1000, description="longest print over air, from side to side")
     extruders: int = Field(ge=1, le=64, description="materials in one print")
 
-    @field_validator("bed_mm")
-    @classmethod
-    def _has_size(cls, sides: tuple[float, float]) -> tuple[float, float]:
-        if not all(0 < side <= 1e5 for side in sides):
-            raise ValueError("both sides must be above 0 and at most 100000 mm")
-        return sides
-
     @model_validator(mode="after")
-    def _has_room(self) -> Printer:
-        if min(self.room_mm) <= 0:
-            raise ValueError(
-                f"margin_mm = {self.margin_mm:g} leaves nothing of bed_mm = {list(self.bed_mm)}: "
-                f"it must be below {min(self.bed_mm) / 2:g}"
-            )
+    def _has_layers(self) -> Printer:
         if self.layer_mm > self.nozzle_mm:
             raise ValueError(
                 f"layer_mm = {self.layer_mm:g} must be at most nozzle_mm = {self.nozzle_mm:g}"
             )
         return self
-
-    @property
-    def room_mm(self) -> tuple[float, float]:
-        """Width and depth of the bed within its margins."""
-        width, depth = self.bed_mm
-        return width - 2 * self.margin_mm, depth - 2 * self.margin_mm
 
 
 class PrintMaterial(Described):

@@ -9,9 +9,10 @@ import shapely
 
 from fab.colours import Colour, Colours
 from fab.coupon import coupon
+from fab.described import shipped_of
 from fab.drawings import SheetFormat, drawing_files
 from fab.dxf import DxfVersion, dxf_bytes
-from fab.materials import load_machine, load_material, shipped_of
+from fab.materials import load_machine, load_material
 from fab.paths import Operation
 from fab.styles import DotStyle
 from solver.errors import InvalidValue

@@ -22,6 +22,7 @@ from pypdf import PdfReader
 from scipy.spatial import cKDTree
 
 from fab.cli import main
+from fab.described import shipped_of
 from fab.drawings import SheetFormat
 from fab.errors import InvalidJob, Severity
 from fab.fabricate import fabricate, scaled, sheet_names
@@ -29,7 +30,7 @@ from fab.fold_file import fold_bytes
 from fab.job import load_job
 from fab.labels import number_text
 from fab.make import Format, left_over, make
-from fab.materials import load_machine, load_material, perforation_for, shipped_of
+from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
 from fab.pattern_file import read_pattern
 from fab.perforation import cut_layers

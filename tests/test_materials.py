@@ -6,8 +6,9 @@ import pytest
 from click.testing import CliRunner
 
 from fab.cli import main
+from fab.described import shipped_of
 from fab.errors import InvalidJob
-from fab.materials import load_machine, load_material, perforation_for, shipped_of
+from fab.materials import load_machine, load_material, perforation_for
 from fab.paths import Operation
 from fab.perforation import DashStyle, FoldBand, PerforationSettings
 from fab.relief import ReliefSettings

@@ -11,9 +11,10 @@ from test_clearance import SIDE_MM, book, solid
 from fab.bodies import TriangleMesh
 from fab.clearance import inspect_thick
 from fab.cli import main
+from fab.described import shipped_of
 from fab.errors import InvalidJob, Severity
 from fab.joining import joined_mesh
-from fab.materials import load_machine, load_material, shipped_of
+from fab.materials import load_machine, load_material
 from fab.printability import bed_area_mm2, inspect_print, inspect_webs, panel_widths_mm
 from fab.printers import load_print_material, load_printer
 from fab.shipped import shipped
