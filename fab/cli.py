@@ -161,7 +161,7 @@ def run(
         if suggest:
             with _progress(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
-            _say_window(pattern, loaded)
+            _say_window(pattern, loaded, interrupts)
             _tell(findings)
             return
         require_folder(out)
@@ -308,7 +308,7 @@ def thicken(
         pattern, findings = read_pattern(file)
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         if suggest:
-            _say_window(pattern, settings)
+            _say_window(pattern, settings, interrupts)
             _tell(findings)
             return
         name = plain_title(file.stem)
@@ -578,11 +578,16 @@ def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
         _say(f"{verb} {folder / name}  {len(data)} bytes")
 
 
-def _say_window(pattern: CreasePattern, settings: ThickSettings) -> None:
+def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _Interrupts) -> None:
     """The feasible window of scale and thickness of a sheet."""
+    from fab.collisions import collisions
     from fab.window import feasible_window
 
-    for line in feasible_window(pattern, settings.panels, settings.hinges).lines():
+    panels, hinges = settings.panels, settings.hinges
+    with _progress(interrupts) as progress:
+        clear = collisions(pattern, panels, hinges, progress)
+        window = feasible_window(pattern, panels, hinges, clear)
+    for line in window.lines():
         _say(line)
 
 
