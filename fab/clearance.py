@@ -101,7 +101,7 @@ def inspect_thick(
     parts = held_together(sheet)
     if parts > 1:
         findings.append(_loose(parts))
-    reached, beyond = states_within(sheet, states, limit_deg)
+    reached, beyond = states_within(sheet.pattern, sheet.panels.faces, states, limit_deg)
     if len(beyond):
         findings.append(_blocked(states, reached, beyond, limit_deg))
     every = thick_bodies(sheet, solids, np.arange(len(sheet.bodies)))
@@ -265,7 +265,7 @@ def _cure(sheet: ThickSheet, check: PairCheck) -> str:
     given = sheet.panel.thickness_mm
     bound = clear_up_to(sheet.pattern, sheet.panel, sheet.hinge, check.state)
     if bound is None:
-        return "They do at every thickness: raise gap_mm or clearance_mm, or fold less."
+        return "They do at every thickness that such hinges allow: fold less, or raise gap_mm."
     if bound == given:
         return "Raise gap_mm or clearance_mm, or fold less."
     return (

@@ -39,12 +39,12 @@ def collisions(
 
     @cache
     def target() -> FoldedState:
+        faces, limit = np.arange(pattern.face_count), panel.fold_limit_deg
         known = known_target(pattern)
-        sheet, _ = rigid_sheet(pattern, panel, hinge)
-        if known is not None and not len(states_within(sheet, [known], panel.fold_limit_deg)[1]):
+        if known is not None and not len(states_within(pattern, faces, [known], limit)[1]):
             return known
         states, _ = folded_states(pattern, progress=progress)
-        return states_within(sheet, states, panel.fold_limit_deg)[0][-1]
+        return states_within(pattern, faces, states, limit)[0][-1]
 
     def clear(thickness_mm: float) -> float | None:
         given = panel.model_copy(update={"thickness_mm": thickness_mm})

@@ -201,7 +201,8 @@ def _vanished(standing: Standing, faces: IntArray) -> tuple[str, IntArray]:
     if len(faces) > 1:
         text += f" Face {faces[scales.argmax()]} needs most."
     if not thick:
-        text += " No thickness helps; lower gap_mm, clearance_mm or fold_limit_deg."
+        text += " No thickness that its hinges allow helps; lower gap_mm, clearance_mm or "
+        text += "fold_limit_deg."
     return text, np.empty(0, np.int64)
 
 

@@ -123,16 +123,15 @@ def posed_bodies(sheet: ThickSheet, state: FoldedState) -> Bodies:
 
 
 def states_within(
-    sheet: ThickSheet, states: Sequence[FoldedState], limit_deg: float
+    pattern: CreasePattern, faces: IntArray, states: Sequence[FoldedState], limit_deg: float
 ) -> tuple[list[FoldedState], IntArray]:
     """The states up to a fold limit, the last of them as the target, and the creases beyond it.
 
-    A state is beyond it where a crease between two panels folds over limit_deg; the creases are
-    those of the first such state, shape (k,): none where all states are within.
+    A state is beyond it where a crease between two of some faces folds over limit_deg; the creases
+    are those of the first such state, shape (k,): none where all states are within.
     """
-    pattern = sheet.pattern
     standing = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
-    standing[sheet.panels.faces] = True
+    standing[faces] = True
     creases = (pattern.edges_assignment != "C") & standing[pattern.edges_faces].all(axis=1)
     over = [creases & (np.abs(s.angles_deg) > limit_deg + _ANGLE_DEG) for s in states]
     first = next((k for k, beyond in enumerate(over) if beyond.any()), None)
