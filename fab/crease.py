@@ -36,6 +36,8 @@ __all__ = [
 FLAT_ANGLE_DEG = 1e-6
 # Corners of the folded form are in one place when they are nearer than this share of its size.
 _SAME_PLACE = 1e-7
+# Faces at a larger fold angle than this lie on each other.
+_STACKED_DEG = 179.0
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,7 @@ class CreasePattern:
         """Angles at which borders meet each other in the folded form, as fold angles, shape (ne,).
 
         Where two sides of the sheet close, as those of a ring that is cut open to lie flat; NaN
-        elsewhere, and where no folded form is known.
+        elsewhere, where no folded form is known, and where the faces beside lie on each other.
         """
         out = np.full(len(self.edges_vertices), np.nan)
         border = np.flatnonzero(self.edges_faces[:, 1] < 0)
@@ -96,7 +98,7 @@ class CreasePattern:
         start, end = self.folded_coords[self.edges_vertices[one]].swapaxes(0, 1)
         n1, n2 = normals[self.edges_faces[[one, two], 0]]
         angle = np.degrees(np.arctan2(dot(cross(n2, n1), unit(end - start)), dot(n1, n2)))
-        out[one] = out[two] = angle
+        out[one] = out[two] = np.where(np.abs(angle) < _STACKED_DEG, angle, np.nan)
         return out
 
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:

@@ -11,11 +11,11 @@ from thick_sheets import shipped_pattern
 
 from fab.crease import scaled
 from fab.errors import InvalidJob
-from fab.hinges import HingeSettings
+from fab.hinges import HingeSettings, heights_and_setbacks
 from fab.job import load_job
 from fab.make import grown_pattern
-from fab.panels import PanelSettings
-from fab.standing import Standing
+from fab.panels import PanelSettings, make_panels
+from fab.standing import Standing, inspect_standing
 from fab.thick import thicken
 
 # The named bounds have four digits.
@@ -33,8 +33,8 @@ def sheet_of(name):
 
 def lost(pattern, panel, hinge):
     """Findings of faces without a panel."""
-    found = thicken(pattern, panel, hinge)[1]
-    return [f for f in found if f.code in ("panel-vanishes", "fold-too-far")]
+    panels, _ = make_panels(pattern, *heights_and_setbacks(pattern, panel, hinge))
+    return inspect_standing(pattern, panel, hinge, panels.faces)
 
 
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
