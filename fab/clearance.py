@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from fab.bodies import TriangleMesh
+from fab.collisions import clear_up_to
 from fab.errors import Finding, Severity
+from fab.feasible import rounded_down
 from fab.joining import manifolds
 from fab.pairs import OVERLAP_MM3, PairCheck, check_pairs, thick_bodies
 from fab.printability import bed_area_mm2, inspect_print, inspect_webs
 from fab.printers import Printer, PrintMaterial
 from fab.soundness import held_together, inspect_joined, inspect_soundness
-from fab.states import FoldedState, Stage
+from fab.states import FoldedState, Stage, states_within
 from fab.thick import ThickSheet
 from solver.vectors import IntArray
 
@@ -22,8 +24,6 @@ __all__ = ["SolidFigures", "StateFigures", "inspect_thick"]
 
 # Panels without a common crease are close at less than this share of the least promised distance.
 _CLOSE = 0.5
-# Fold angles of states are known to this.
-_ANGLE_DEG = 1e-6
 _NAMED = 10
 
 
@@ -101,8 +101,9 @@ def inspect_thick(
     parts = held_together(sheet)
     if parts > 1:
         findings.append(_loose(parts))
-    reached, blocked = _within(sheet, states, limit_deg)
-    findings += blocked
+    reached, beyond = states_within(sheet.pattern, sheet.panels.faces, states, limit_deg)
+    if len(beyond):
+        findings.append(_blocked(states, reached, beyond, limit_deg))
     every = thick_bodies(sheet, solids, np.arange(len(sheet.bodies)))
     rigid = thick_bodies(sheet, solids, sheet.rigid)
     checks: list[PairCheck] = []
@@ -155,35 +156,24 @@ def _loose(parts: int) -> Finding:
     )
 
 
-def _within(
-    sheet: ThickSheet, states: Sequence[FoldedState], limit_deg: float
-) -> tuple[list[FoldedState], list[Finding]]:
-    """The states up to the limit, the last of them as the target; what is blocked beyond."""
-    pattern = sheet.pattern
-    standing = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
-    standing[sheet.panels.faces] = True
-    creases = (pattern.edges_assignment != "C") & standing[pattern.edges_faces].all(axis=1)
-    over = [creases & (np.abs(s.angles_deg) > limit_deg + _ANGLE_DEG) for s in states]
-    first = next((k for k, beyond in enumerate(over) if beyond.any()), None)
-    if first is None:
-        return list(states), []
-    kept = list(states[:first])
-    share = kept[-1].share if kept else 0.0
-    if kept and kept[-1].stage == Stage.BETWEEN:
-        kept[-1] = replace(kept[-1], stage=Stage.TARGET)
-    named = np.flatnonzero(over[first])
-    angle = float(np.abs(states[-1].angles_deg[creases]).max())
-    finding = Finding(
+def _blocked(
+    states: Sequence[FoldedState],
+    reached: Sequence[FoldedState],
+    beyond: IntArray,
+    limit_deg: float,
+) -> Finding:
+    share = reached[-1].share if reached else 0.0
+    angle = float(np.abs(states[-1].angles_deg[beyond]).max())
+    return Finding(
         "fold-blocked",
         Severity.WARNING,
-        f"panels fold to {share:.0%} of the target, checked up to there: beyond, {len(named)} "
+        f"panels fold to {share:.0%} of the target, checked up to there: beyond, {len(beyond)} "
         f"creases fold over fold_limit_deg = {limit_deg:g} degrees (at the end {angle:.4g}). Raise "
         "fold_limit_deg where the panels allow it, or give a pattern that folds less.".replace(
             "%", " %"
         ),
-        creases=tuple(named[:20].tolist()),
+        creases=tuple(beyond[:20].tolist()),
     )
-    return kept, [finding]
 
 
 def _measured(check: PairCheck) -> StateFigures:
@@ -232,14 +222,8 @@ def _named(
 
 def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
     """Findings of the flat state and of the target: the worst pairs of each kind."""
-    flat = check.state.stage == Stage.FLAT
-    cure = (
-        "The flat sheet overlaps itself, or its faces are too thin for their gaps."
-        if flat
-        else "Lower thickness_mm, raise gap_mm or clearance_mm, or fold less."
-    )
-    overlaps = np.flatnonzero(check.overlap_mm3 > OVERLAP_MM3)
-    overlaps = overlaps[np.argsort(-check.overlap_mm3[overlaps], kind="stable")]
+    overlaps = check.overlapping
+    cure = _cure(sheet, check) if len(overlaps) else ""
     near, close = (
         rows[np.argsort(check.apart_mm[rows], kind="stable")]
         for rows in (_too_near(check), _close(check))
@@ -256,7 +240,7 @@ def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
                 shared, depth = check.overlap_mm3[row], check.depth_mm[row]
                 measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
                 # faces that bend may have more room than the rigid ones nearest to them
-                severity = Severity.ERROR if depth > 2 * check.state.bend_mm else Severity.WARNING
+                severity = Severity.ERROR if check.deep[row] else Severity.WARNING
             elif code == "clearance-too-small":
                 measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
             else:
@@ -272,6 +256,22 @@ def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
                 )
             )
     return findings
+
+
+def _cure(sheet: ThickSheet, check: PairCheck) -> str:
+    """What keeps panels that overlap in a state apart: how thin they must be."""
+    if check.state.stage == Stage.FLAT:
+        return "The flat sheet overlaps itself, or its faces are too thin for their gaps."
+    given = sheet.panel.thickness_mm
+    bound = clear_up_to(sheet.pattern, sheet.panel, sheet.hinge, check.state)
+    if bound is None:
+        return "They do at every thickness that such hinges allow: fold less, or raise gap_mm."
+    if bound == given:
+        return "Raise gap_mm or clearance_mm, or fold less."
+    return (
+        f"No panels overlap with thickness_mm at most {rounded_down(bound)}; or raise gap_mm, or "
+        "fold less."
+    )
 
 
 def _jammed(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:

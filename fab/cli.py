@@ -173,7 +173,7 @@ def run(
         if suggest:
             with _progress(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
-            _say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)))
+            _say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)), interrupts)
             _tell(findings)
             return
         require_folder(out)
@@ -319,7 +319,7 @@ def thicken(
         pattern, findings = read_pattern(file)
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         if suggest:
-            _say_window(pattern, settings.printed(print_with))
+            _say_window(pattern, settings.printed(print_with), interrupts)
             _tell(findings)
             return
         name = plain_title(file.stem)
@@ -588,11 +588,16 @@ def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
         _say(f"{verb} {folder / name}  {len(data)} bytes")
 
 
-def _say_window(pattern: CreasePattern, settings: ThickSettings) -> None:
+def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _Interrupts) -> None:
     """The feasible window of scale and thickness of a sheet."""
+    from fab.collisions import collisions
     from fab.window import feasible_window
 
-    for line in feasible_window(pattern, settings.panels, settings.hinges).lines():
+    panels, hinges = settings.panels, settings.hinges
+    with _progress(interrupts) as progress:
+        clear = collisions(pattern, panels, hinges, progress)
+        window = feasible_window(pattern, panels, hinges, clear)
+    for line in window.lines():
         _say(line)
 
 

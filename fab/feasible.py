@@ -7,6 +7,7 @@ is that of a linear program in three unknowns, x and the value: exact, for many 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from itertools import combinations
 
@@ -18,14 +19,15 @@ from solver.vectors import BoolArray, FloatArray
 
 __all__ = [
     "inradii",
-    "largest_rises",
+    "largest_where",
     "least_scales",
     "rounded_down",
     "rounded_up",
     "scale_bounds",
-    "thickness_bounds_mm",
 ]
 
+# Bounds found by halves are exact to this share of themselves.
+_EXACT = 1e-9
 # Faces with more sides are left to a solver, one by one.
 _MOST_SIDES = 12
 # Sines below this are those of parallel sides.
@@ -47,23 +49,6 @@ def inradii(sides: Sides, setback_mm: FloatArray) -> FloatArray:
     return radius
 
 
-def largest_rises(
-    sides: Sides, setback_mm: FloatArray, slopes: FloatArray, radius_mm: float
-) -> FloatArray:
-    """By how much all setbacks may rise until the widest circle has a given radius, shape (nf,).
-
-    setback_mm, slopes : of every edge, shape (ne,): the setback, and by how much it grows per mm of
-    rise, at least 0. Infinite where none grows, minus infinity where there is no such circle
-    without any rise. Convex faces.
-    """
-    depth, setback, slope = _depths(sides), setback_mm[sides.edges], slopes[sides.edges]
-    room = inradii(sides, setback_mm) >= radius_mm
-    need = np.where(room[sides.faces], setback + radius_mm - depth, 0.0)
-    rise = _largest(sides, need, slope)
-    rise[~room] = -np.inf
-    return rise
-
-
 def least_scales(sides: Sides, setback_mm: FloatArray, radius_mm: float) -> FloatArray:
     """How many times as large each convex face is with a circle of a given radius, shape (nf,).
 
@@ -79,37 +64,32 @@ def least_scales(sides: Sides, setback_mm: FloatArray, radius_mm: float) -> Floa
     return scale
 
 
-def thickness_bounds_mm(
-    sides: Sides, back: Setbacks, heights_mm: tuple[float, float], radius_mm: float
-) -> FloatArray:
-    """The largest thickness at which a panel stands on each convex face, shape (nf,).
-
-    heights_mm : bottom and top of the panels, over their axes. Panels with the axis in the middle
-    grow on both sides; all others upwards, from the same bottom. A panel stands where its bottom
-    and top have a circle of a given radius. 0 where no thickness helps, else maybe infinite.
-    """
-    low, high = heights_mm
-    if low == -high:
-        half = np.minimum(
-            largest_rises(sides, back.axis_mm, back.above, radius_mm),
-            largest_rises(sides, back.axis_mm, back.below, radius_mm),
-        )
-        return np.asarray(np.maximum(2 * half, 0.0))
-    least = max(low, 0.0)  # a panel reaches up to its axes at least
-    top = least - low + largest_rises(sides, back.at(least), back.above, radius_mm)
-    top[inradii(sides, back.at(low)) < radius_mm] = 0.0
-    return np.asarray(np.maximum(top, 0.0))
-
-
 def scale_bounds(
     sides: Sides, back: Setbacks, heights_mm: tuple[float, float], radius_mm: float
 ) -> FloatArray:
     """How many times as large each convex face must be for its panel to stand, shape (nf,).
 
-    As `thickness_bounds_mm`; infinite where no size helps.
+    heights_mm : bottom and top of the panels, over their axes. A panel stands where both have a
+    circle of a given radius. Infinite where no size helps.
     """
     low, high = (least_scales(sides, back.at(z), radius_mm) for z in heights_mm)
     return np.maximum(low, high)
+
+
+def largest_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
+    """The largest value between two bounds at which something holds; it holds below that as well.
+
+    Found by halves, to 1e-9 of itself; None where it does not even hold at the lower bound.
+    """
+    if not holds(low):
+        return None
+    if holds(high):
+        return high
+    while high > low * (1 + _EXACT):
+        # in proportion while the bounds are orders of magnitude apart
+        middle = (low * high) ** 0.5 if high > 2 * low else (low + high) / 2
+        low, high = (middle, high) if holds(middle) else (low, middle)
+    return low
 
 
 def rounded_down(bound: float) -> str:

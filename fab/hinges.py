@@ -15,6 +15,7 @@ from pydantic import Field
 from fab.crease import CreasePattern
 from fab.errors import InvalidJob
 from fab.panels import Panels, PanelSettings, inset, spans
+from fab.setbacks import Setbacks, setbacks
 from fab.settings import Settings
 from solver.vectors import FloatArray, IntArray
 
@@ -25,6 +26,7 @@ __all__ = [
     "crease_kinds",
     "crease_runs",
     "crease_sides",
+    "heights_and_setbacks",
     "heights_over_axes_mm",
     "hinge_setbacks",
     "hole_radius_mm",
@@ -174,6 +176,25 @@ def hinge_setbacks(
         out[kinds == kind] = (thickness * rho / (4 * settings.strain_max))[kinds == kind]
     out[kinds == "knuckle"] = barrel_radius_mm(panel) + settings.play_mm
     return out
+
+
+def heights_and_setbacks(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[tuple[float, float], Setbacks]:
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights = heights_over_axes_mm(panel, hinge)
+    back = setbacks(
+        pattern,
+        heights,
+        gap_mm=panel.gap_mm,
+        clearance_mm=panel.clearance_mm,
+        hinge_mm=hinge_setbacks(pattern, panel, hinge),
+        limit_deg=panel.fold_limit_deg,
+    )
+    return heights, back
 
 
 def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntArray]:

@@ -36,9 +36,10 @@ from fab.hinges import (
     crease_sides,
 )
 from fab.panels import Panels
-from solver.vectors import FloatArray, IntArray
+from fab.setbacks import Setbacks
+from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Knuckles", "make_knuckles", "with_knuckles"]
+__all__ = ["Knuckles", "knuckles_turn", "make_knuckles", "with_knuckles"]
 
 # Arms reach so far into their panel, with which they are united.
 _REACH_MM = 1e-3
@@ -81,8 +82,7 @@ def make_knuckles(
     chosen = crease_kinds(pattern, settings) == "knuckle"
     creases = np.flatnonzero((first >= 0) & (second >= 0) & chosen)
     back, play = panels.setbacks, settings.play_mm
-    half = np.arctan(np.maximum(back.above, back.below)[creases])
-    turns = back.axis_mm[creases] * np.cos(half) >= play
+    turns = knuckles_turn(back, settings)[creases]
     most_deg = 2 * np.degrees(np.arccos(play / back.axis_mm[creases]))
     levels = np.array([panels.heights_mm[0], 0.0, panels.heights_mm[1]])
     runs = crease_runs(panels, first[creases], second[creases], levels, up_to_axis=True)
@@ -118,6 +118,13 @@ def make_knuckles(
         )
     kept = turns & fits
     return Knuckles(creases[kept], ends[kept], counts[kept], play), findings
+
+
+def knuckles_turn(back: Setbacks, settings: HingeSettings) -> BoolArray:
+    """Whether arms stay `play_mm` away from the other panel as far as each crease folds, (ne,)."""
+    half = np.arctan(np.maximum(back.above, back.below))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(back.axis_mm * np.cos(half) >= settings.play_mm)
 
 
 def _missing(creases: IntArray, why: str) -> Finding:

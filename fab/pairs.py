@@ -84,6 +84,17 @@ class PairCheck:
     depth_mm: FloatArray
 
     @property
+    def overlapping(self) -> IntArray:
+        """The pairs with a common volume, the largest first."""
+        rows = np.flatnonzero(self.overlap_mm3 > OVERLAP_MM3)
+        return rows[np.argsort(-self.overlap_mm3[rows], kind="stable")]
+
+    @property
+    def deep(self) -> BoolArray:
+        """Whether each pair reaches deeper into each other than faces that bend explain, (n,)."""
+        return np.asarray(self.depth_mm > 2 * self.state.bend_mm)
+
+    @property
     def closest(self) -> int | None:
         """The pair that comes nearest to each other, of those that may not touch."""
         free = np.flatnonzero(~self.may_touch)

@@ -23,7 +23,7 @@ from pydantic import Field, model_validator
 from fab.bodies import Bodies, TriangleMesh, bodies_of, stacked
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.feasible import inradii, rounded_down, rounded_up, scale_bounds, thickness_bounds_mm
+from fab.feasible import inradii
 from fab.polygons import are_convex, next_corner
 from fab.setbacks import Setbacks, Sides, sides_of
 from fab.settings import Settings
@@ -31,7 +31,7 @@ from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["PanelSettings", "Panels", "inset", "make_panels", "spans"]
 
-LEAST_THICKNESS_MM = 0.01
+LEAST_THICKNESS_MM, MOST_THICKNESS_MM = 0.01, 1000.0
 # A side of a panel that is shorter than this after its setbacks is none.
 SHORTEST_SIDE_MM = 0.05
 # A panel stands where a circle of this radius fits into its bottom and its top.
@@ -42,7 +42,7 @@ class PanelSettings(Settings):
     """Thickness of the panels, where the axes of their hinges lie, and the gaps between them."""
 
     thickness_mm: float = Field(
-        default=1.6, ge=LEAST_THICKNESS_MM, le=1000, description="height of the panels"
+        default=1.6, ge=LEAST_THICKNESS_MM, le=MOST_THICKNESS_MM, description="height of the panels"
     )
     axis: Literal["bottom", "middle", "offset"] = Field(
         default="bottom", description="where the axes of all hinges lie in the panels"
@@ -115,10 +115,11 @@ class Panels:
 def make_panels(
     pattern: CreasePattern, heights_mm: tuple[float, float], back: Setbacks
 ) -> tuple[Panels, list[Finding]]:
-    """One panel for each face; faces on which none can stand are left out, and named.
+    """One panel for each face; faces on which none can stand are left out.
 
     Where all sides stay, panels are stacked rings. A convex face whose sides do not all stay is cut
-    by the planes of all its setbacks.
+    by the planes of all its setbacks. Faces that are not convex are named where none can stand;
+    for the others see `fab.standing`.
     """
     sides = sides_of(pattern)
     offsets = sides.offsets
@@ -152,9 +153,7 @@ def make_panels(
     standing = np.zeros(len(offsets) - 1, bool)
     standing[faces] = True
     panels = Panels(bodies, faces, heights_mm, sides, back)
-    findings = _findings(
-        panels, np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64))
-    )
+    findings = _findings(np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64)))
     return panels, findings
 
 
@@ -309,29 +308,20 @@ def spans(
     return np.where(np.isinf(low) & (low < 0), 0.0, low), np.where(high == np.inf, length, high)
 
 
-def _findings(
-    panels: Panels, without: IntArray, convex: BoolArray, shed: IntArray
-) -> list[Finding]:
+def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Finding]:
     findings = []
-    for faces, code, why in (
-        (
-            without[convex[without]],
-            "panel-vanishes",
-            "have no panel: the setbacks of their creases leave nothing of them.",
-        ),
-        (
-            without[~convex[without]],
-            "panel-not-convex",
-            "are not convex and lose a side, or cross themselves, by the setbacks of their "
-            "creases; they have no panel. Split them by creases, or enlarge the sheet.",
-        ),
-    ):
-        if len(faces):
-            text = f"{len(faces)} faces {why}"
-            if code == "panel-vanishes":
-                text += f" {_cure(panels, faces)}"
-            named = tuple(faces[:20].tolist())
-            findings.append(Finding(code, Severity.ERROR, text, panels=named))
+    crossed = without[~convex[without]]
+    if len(crossed):
+        findings.append(
+            Finding(
+                "panel-not-convex",
+                Severity.ERROR,
+                f"{len(crossed)} faces are not convex and lose a side, or cross themselves, by the "
+                "setbacks of their creases; they have no panel. Split them by creases, or enlarge "
+                "the sheet.",
+                panels=tuple(crossed[:20].tolist()),
+            )
+        )
     if len(shed):
         findings.append(
             Finding(
@@ -343,23 +333,3 @@ def _findings(
             )
         )
     return findings
-
-
-def _cure(panels: Panels, faces: IntArray) -> str:
-    """The largest thickness and the smallest sheet with which all of some convex faces have one."""
-    bounds = panels.sides, panels.setbacks, panels.heights_mm, LEAST_RADIUS_MM
-    thickness = thickness_bounds_mm(*bounds)[faces]
-    scale = scale_bounds(*bounds)[faces]
-    cures = []
-    if thickness.min() >= LEAST_THICKNESS_MM:
-        cures.append(f"thickness_mm at most {rounded_down(thickness.min())}")
-    if np.isfinite(scale.max()):
-        cures.append(f"a sheet at least {rounded_up(scale.max())} times as large")
-    if not cures:
-        return "No thickness and no size helps: lower fold_limit_deg."
-    text = f"All of them stand with {', or '.join(cures)}."
-    if len(faces) > 1:
-        text += f" Face {faces[scale.argmax()]} needs most."
-    if len(cures) == 1 and np.isfinite(scale.max()):
-        text += " No thickness helps; lower gap_mm, clearance_mm or fold_limit_deg."
-    return text

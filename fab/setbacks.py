@@ -25,7 +25,7 @@ __all__ = ["Setbacks", "Sides", "setbacks", "sides_of"]
 
 @dataclass(frozen=True)
 class Setbacks:
-    """Setbacks of both panels from every edge, mm; none at the outline.
+    """Setbacks of both panels from every edge, mm; none at borders that meet no others.
 
     Attributes
     ----------
@@ -62,11 +62,16 @@ def setbacks(
     hinge_mm : shape (ne,), the setback that the hinge of each crease needs. limit_deg : creases
     that fold further are treated as if they folded so far.
 
+    Borders that meet each other in the folded form are set back as creases of that angle are.
     Infinite where the angle leaves no clearance whatever the setback: at 180 degrees, unless the
     axis lies outside of the panels on the side that opens.
     """
     shared = pattern.edges_faces[:, 1] >= 0
-    half = np.radians(np.clip(pattern.edges_foldAngle, -limit_deg, limit_deg)) / 2
+    angle = pattern.edges_foldAngle
+    if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not get to each other
+        closes = ~np.isnan(pattern.closing_deg)
+        shared, angle = shared | closes, np.where(closes, pattern.closing_deg, angle)
+    half = np.radians(np.clip(angle, -limit_deg, limit_deg)) / 2
     slope = np.tan(np.minimum(np.abs(half), np.pi / 2))
     valley = half > 0
     low, high = heights_mm

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -11,18 +11,30 @@ import numpy as np
 from fab.bodies import Bodies
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern
 from fab.errors import Finding, Severity
+from fab.framework import framework
 from fab.poses import face_poses
 from fab.simulation import simulated
 from fab.stiffness import FoldSettings
 from fab.thick import ThickSheet
 from fab.verdict import target_form
 from solver.errors import require_count
-from solver.vectors import FloatArray, cross, dot, norm, unit
+from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
-__all__ = ["FoldedState", "Stage", "flat_panels", "folded_states", "panels_at", "posed_bodies"]
+__all__ = [
+    "FoldedState",
+    "Stage",
+    "flat_panels",
+    "folded_states",
+    "known_target",
+    "panels_at",
+    "posed_bodies",
+    "states_within",
+]
 
 # Creases so much softer than faces leave these as good as plane wherever the pattern lets them be.
 _CREASE_STIFFNESS = 0.01
+# Fold angles of states are known to this.
+_ANGLE_DEG = 1e-6
 
 
 class Stage(StrEnum):
@@ -92,10 +104,43 @@ def panels_at(
     return FoldedState(stage, share, turns, shifts, _angles_deg(pattern, turns), bend)
 
 
+def known_target(pattern: CreasePattern) -> FoldedState | None:
+    """The state of the pattern's folded form, or that of its angles; None where neither is known.
+
+    Raises `InvalidValue` where a face has no area.
+    """
+    frame = framework(pattern, FoldSettings())
+    form = target_form(frame)
+    if form is None:
+        return None
+    return panels_at(pattern, form * frame.size_mm, Stage.TARGET, 1.0, frame.sheet.pattern)
+
+
 def posed_bodies(sheet: ThickSheet, state: FoldedState) -> Bodies:
     """The rigid bodies of a thick sheet, in the order of `sheet.rigid`, in a state."""
     owner = sheet.faces[sheet.rigid]
     return sheet.bodies.chosen(sheet.rigid).moved(state.turns[owner], state.shifts[owner])
+
+
+def states_within(
+    pattern: CreasePattern, faces: IntArray, states: Sequence[FoldedState], limit_deg: float
+) -> tuple[list[FoldedState], IntArray]:
+    """The states up to a fold limit, the last of them as the target, and the creases beyond it.
+
+    A state is beyond it where a crease between two of some faces folds over limit_deg; the creases
+    are those of the first such state, shape (k,): none where all states are within.
+    """
+    standing = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
+    standing[faces] = True
+    creases = (pattern.edges_assignment != "C") & standing[pattern.edges_faces].all(axis=1)
+    over = [creases & (np.abs(s.angles_deg) > limit_deg + _ANGLE_DEG) for s in states]
+    first = next((k for k, beyond in enumerate(over) if beyond.any()), None)
+    if first is None:
+        return list(states), np.empty(0, np.int64)
+    kept = list(states[:first])
+    if kept and kept[-1].stage == Stage.BETWEEN:
+        kept[-1] = replace(kept[-1], stage=Stage.TARGET)
+    return kept, np.flatnonzero(over[first])
 
 
 def folded_states(

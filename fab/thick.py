@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,18 +14,17 @@ from fab.hinges import (
     HingeSettings,
     crease_kinds,
     crease_sides,
-    heights_over_axes_mm,
-    hinge_setbacks,
+    heights_and_setbacks,
 )
 from fab.holes import drilled
 from fab.knuckles import make_knuckles, with_knuckles
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
-from fab.setbacks import Setbacks, setbacks
+from fab.standing import inspect_standing
 from fab.webs import make_webs
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["ThickSheet", "heights_and_setbacks", "thicken"]
+__all__ = ["ThickSheet", "rigid_sheet", "thicken"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,8 @@ class ThickSheet:
 
     Attributes
     ----------
-    pattern : in mm; panels : what stands on its faces, without hinges.
+    pattern : in mm; panel, hinge : the settings that it is made with.
+    panels : what stands on its faces, without hinges.
     bodies : all solids: first one for each panel, with its knuckles, then webs, then films.
     names : such as "panel_3", "hinge_12" and "film_0", by face and by edge.
     faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
@@ -46,6 +46,8 @@ class ThickSheet:
     """
 
     pattern: CreasePattern
+    panel: PanelSettings
+    hinge: HingeSettings
     panels: Panels
     bodies: Bodies
     names: tuple[str, ...]
@@ -70,23 +72,42 @@ class ThickSheet:
         return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
 
 
-def heights_and_setbacks(
+def rigid_sheet(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
-) -> tuple[tuple[float, float], Setbacks]:
-    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels with their knuckles, without what bends: all that can collide when folded.
+
+    Of faces without a panel those that are not convex are named; for the others see `fab.standing`.
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
-    heights = heights_over_axes_mm(panel, hinge)
-    back = setbacks(
-        pattern,
-        heights,
-        gap_mm=panel.gap_mm,
-        clearance_mm=panel.clearance_mm,
-        hinge_mm=hinge_setbacks(pattern, panel, hinge),
-        limit_deg=panel.fold_limit_deg,
+    heights, back = heights_and_setbacks(pattern, panel, hinge)
+    panels, findings = make_panels(pattern, heights, back)
+    knuckles, without = make_knuckles(pattern, panels, hinge)
+    findings += without
+    rigid = panels
+    if hinge.hole_mm > 0:
+        rigid, without = drilled(panels, hinge.hole_mm, hinge.wall_mm)
+        findings += without
+    bodies = rigid.bodies
+    if len(knuckles.creases):
+        bodies = bodies_of(with_knuckles(pattern, rigid, knuckles, hinge))
+    return (
+        ThickSheet(
+            pattern,
+            panel,
+            hinge,
+            panels,
+            bodies,
+            tuple(f"panel_{face}" for face in panels.faces),
+            panels.faces,
+            np.full(len(bodies), -1),
+            np.zeros(len(bodies), bool),
+            knuckles.creases,
+            bodies,
+        ),
+        findings,
     )
-    return heights, back
 
 
 def thicken(
@@ -96,39 +117,33 @@ def thicken(
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
-    heights, back = heights_and_setbacks(pattern, panel, hinge)
-    panels, findings = make_panels(pattern, heights, back)
+    rigid, findings = rigid_sheet(pattern, panel, hinge)
+    panels = rigid.panels
+    findings = [*inspect_standing(pattern, panel, hinge, panels.faces), *findings]
     webs, without = make_webs(pattern, panels, hinge)
     findings += without
-    knuckles, without = make_knuckles(pattern, panels, hinge)
-    findings += without
-    rigid = panels
-    if hinge.hole_mm > 0:
-        rigid, without = drilled(panels, hinge.hole_mm, hinge.wall_mm)
-        findings += without
-    stiff = rigid.bodies
-    if len(knuckles.creases):
-        stiff = bodies_of(with_knuckles(pattern, rigid, knuckles, hinge))
-    held = [webs.creases, knuckles.creases]
+    held = [webs.creases, rigid.held]
     film = bodies_of([])
     if "film" in hinge.kinds and len(panels.bodies):
         film = make_film(pattern, panels, hinge, panel.gap_mm)
         first, second = crease_sides(pattern, panels)
         under = crease_kinds(pattern, hinge) == "film"
         held.append(np.flatnonzero((first >= 0) & (second >= 0) & under))
-    counts = len(stiff), len(webs.bodies), len(film)
-    names = [f"panel_{face}" for face in panels.faces] + [f"hinge_{e}" for e in webs.creases]
+    bending = len(webs.bodies) + len(film)
     return (
-        ThickSheet(
-            pattern,
-            panels,
-            concatenated([stiff, webs.bodies, film]),
-            (*names, *(f"film_{i}" for i in range(len(film)))),
-            np.concatenate([panels.faces, np.full(sum(counts[1:]), -1)]),
-            np.concatenate([np.full(counts[0], -1), webs.creases, np.full(counts[2], -1)]),
-            np.arange(sum(counts)) >= counts[0],
-            np.sort(np.concatenate(held)),
-            concatenated([stiff, webs.reaching, film]),
+        replace(
+            rigid,
+            bodies=concatenated([rigid.bodies, webs.bodies, film]),
+            names=(
+                *rigid.names,
+                *(f"hinge_{e}" for e in webs.creases),
+                *(f"film_{i}" for i in range(len(film))),
+            ),
+            faces=np.concatenate([rigid.faces, np.full(bending, -1)]),
+            creases=np.concatenate([rigid.creases, webs.creases, np.full(len(film), -1)]),
+            flexible=np.concatenate([rigid.flexible, np.ones(bending, bool)]),
+            held=np.sort(np.concatenate(held)),
+            joining=concatenated([rigid.bodies, webs.reaching, film]),
         ),
         findings,
     )

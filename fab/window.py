@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from fab.crease import CreasePattern, scaled
-from fab.errors import InvalidJob
-from fab.feasible import inradii, rounded_down, rounded_up, scale_bounds
-from fab.hinges import HingeSettings, heights_over_axes_mm
-from fab.panels import LEAST_RADIUS_MM, LEAST_THICKNESS_MM, PanelSettings, make_panels
-from fab.polygons import are_convex
-from fab.setbacks import Setbacks, sides_of
-from fab.thick import heights_and_setbacks
-from solver.vectors import BoolArray
+from fab.crease import CreasePattern
+from fab.feasible import rounded_down, rounded_up
+from fab.hinges import HingeSettings
+from fab.panels import MOST_THICKNESS_MM, PanelSettings
+from fab.standing import Standing, least_thickness_mm
 
 __all__ = ["Row", "Window", "feasible_window"]
 
-# Bounds are found to this share of themselves.
-_EXACT = 1e-9
-_MOST_MM = 1000.0
-_MOST_TIMES = 1e6
 # The table of sizes has these shares of the given thickness.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 
@@ -50,6 +42,8 @@ class Window:
     width_mm : longer side of the flat sheet.
     thickness_mm : as given.
     thickness_max_mm : the largest at which all panels stand at this size; None where none is.
+    clear_max_mm : the largest of these at which no panels overlap at the target, 0 where they do at
+        every one; None where this was not looked for, or no target is known.
     scale_min : the smallest scale of the sheet at which all stand at this thickness, or None.
     fold_deg : how far the sheet's creases fold at most.
     fold_max_deg : the largest fold_limit_deg with which all stand as given, at most 180, or None.
@@ -61,6 +55,7 @@ class Window:
     width_mm: float
     thickness_mm: float
     thickness_max_mm: float | None
+    clear_max_mm: float | None
     scale_min: float | None
     fold_deg: float
     fold_max_deg: float | None
@@ -83,11 +78,22 @@ class Window:
             f"and thickness_mm = {self.thickness_mm:g}",
             "all of them have one",
             f"  at this size with {most('thickness_mm', self.thickness_max_mm)}",
+            *self._collisions(),
             f"  at this thickness with {size(self.scale_min)}",
             f"  at both with {most('fold_limit_deg', self.fold_max_deg)} (the creases fold by up "
             f"to {self.fold_deg:.4g})",
             f"{'thickness_mm':<14}{'panels':<14}all of them with",
             *table,
+        ]
+
+    def _collisions(self) -> list[str]:
+        if self.clear_max_mm is None or self.clear_max_mm == self.thickness_max_mm:
+            return []
+        if self.clear_max_mm == 0.0:
+            return ["    but panels overlap at the target at every thickness: raise gap_mm"]
+        return [
+            "    but without overlap of panels at the target only with thickness_mm at most "
+            f"{rounded_down(self.clear_max_mm)}, at this gap_mm"
         ]
 
     def report(self) -> dict[str, Any]:
@@ -101,110 +107,33 @@ def feasible_window(
     pattern: CreasePattern,
     panel: PanelSettings,
     hinge: HingeSettings,
-    collides: Callable[[float], bool] | None = None,
+    clear: Callable[[float], float | None] | None = None,
 ) -> Window:
-    """The feasible window of a sheet, by panels alone, or with `collides` by pairs of them too.
+    """The feasible window of a sheet, by panels alone, or with `clear` by pairs of them too.
 
-    collides : whether panels of a given thickness, in mm, collide at the target, of faces without a
-    common crease. If they do, thicker ones must too.
+    clear : up to which thickness, at most the given one, in mm, no panels overlap at the target
+    (`fab.collisions`); None where they overlap at every one.
     """
-    standing = _Standing(pattern, panel, hinge)
-
-    def all_stand(thickness_mm: float) -> bool:
-        clear = collides is None or not collides(thickness_mm)
-        return clear and bool(standing(thickness_mm).all())
-
+    standing = Standing(pattern, panel, hinge)
     given = panel.thickness_mm
-    least = _least_thickness_mm(panel, hinge)
+    most = standing.largest_thickness_mm()
+    apart = None
+    if clear is not None and most is not None:
+        apart = clear(most) or 0.0
+    least = least_thickness_mm(panel, hinge)
     return Window(
         pattern.face_count,
-        int(standing(given).sum()),
+        int(standing().sum()),
         float(np.ptp(pattern.vertices_coords, axis=0).max()),
         given,
-        _last(all_stand, least, _MOST_MM),
-        standing.least_scale(given),
+        most,
+        apart,
+        standing.least_scale(),
         float(np.abs(pattern.edges_foldAngle).max(initial=0.0)),
-        _last(lambda limit: bool(standing(given, limit_deg=limit).all()), 1e-3, 180.0),
+        standing.largest_limit_deg(),
         tuple(
             Row(thickness, int(standing(thickness).sum()), standing.least_scale(thickness))
             for thickness in (round(share * given, 4) for share in _SHARES)
-            if least <= thickness <= _MOST_MM
+            if least <= thickness <= MOST_THICKNESS_MM
         ),
     )
-
-
-def _least_thickness_mm(panel: PanelSettings, hinge: HingeSettings) -> float:
-    """The least thickness at which panels reach up to their axes, and can have such hinges.
-
-    Raises `InvalidJob` where they cannot have them as given.
-    """
-    heights_over_axes_mm(panel, hinge)
-
-    def fits(inverse: float) -> bool:
-        try:
-            heights_over_axes_mm(panel.model_copy(update={"thickness_mm": 1 / inverse}), hinge)
-        except InvalidJob:
-            return False
-        return True
-
-    thinnest = _last(fits, 1 / panel.thickness_mm, 1 / LEAST_THICKNESS_MM)
-    return max(1 / thinnest if thinnest else panel.thickness_mm, panel.axis_mm or 0.0)
-
-
-class _Standing:
-    """Which faces of a pattern have a panel, at any thickness and scale."""
-
-    def __init__(self, pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings) -> None:
-        self._pattern, self._panel, self._hinge = pattern, panel, hinge
-        self._sides = sides_of(pattern)
-        self._convex = are_convex(self._sides.start, self._sides.offsets)
-
-    def __call__(
-        self, thickness_mm: float, scale: float = 1.0, limit_deg: float | None = None
-    ) -> BoolArray:
-        """Whether each face has a panel, shape (nf,)."""
-        heights, back = self._limits(thickness_mm, limit_deg)
-        start = scale * self._sides.start
-        sides = replace(self._sides, start=start, length_mm=scale * self._sides.length_mm)
-        radii = [inradii(sides, back.at(z)) for z in heights]
-        fits: BoolArray = np.minimum(*radii) >= LEAST_RADIUS_MM
-        if not self._convex.all():
-            panels, _ = make_panels(scaled(self._pattern, factor=scale), heights, back)
-            fits[~self._convex] = np.isin(np.flatnonzero(~self._convex), panels.faces)
-        return fits
-
-    def least_scale(self, thickness_mm: float) -> float | None:
-        """The smallest scale at which all faces have one; None where no size helps."""
-        heights, back = self._limits(thickness_mm)
-        bounds = scale_bounds(self._sides, back, heights, LEAST_RADIUS_MM)
-        scale = float(bounds[self._convex].max(initial=0.0))
-        if self._convex.all() or not np.isfinite(scale):
-            return scale if np.isfinite(scale) else None
-        # what stands at a scale stands at every larger one
-        small = _last(lambda x: bool(self(thickness_mm, 1 / x).all()), 1 / _MOST_TIMES, _MOST_TIMES)
-        return None if small is None else 1 / small
-
-    def _limits(
-        self, thickness_mm: float, limit_deg: float | None = None
-    ) -> tuple[tuple[float, float], Setbacks]:
-        limit = self._panel.fold_limit_deg if limit_deg is None else limit_deg
-        changes = {"thickness_mm": thickness_mm, "fold_limit_deg": limit}
-        return heights_and_setbacks(
-            self._pattern, self._panel.model_copy(update=changes), self._hinge
-        )
-
-
-def _last(holds: Callable[[float], bool], low: float, high: float) -> float | None:
-    """The largest value between two bounds at which something holds; it holds below that as well.
-
-    Found by halves; None where it does not even hold at the lower bound.
-    """
-    if not holds(low):
-        return None
-    if holds(high):
-        return high
-    while high > low * (1 + _EXACT):
-        # in proportion while the bounds are orders of magnitude apart
-        middle = (low * high) ** 0.5 if high > 2 * low else (low + high) / 2
-        low, high = (middle, high) if holds(middle) else (low, middle)
-    return low

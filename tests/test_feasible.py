@@ -13,17 +13,17 @@ from shapely import Polygon, maximum_inscribed_circle
 from fab.crease import scaled
 from fab.feasible import (
     inradii,
-    largest_rises,
+    largest_where,
     least_scales,
     rounded_down,
     rounded_up,
     scale_bounds,
-    thickness_bounds_mm,
 )
-from fab.hinges import HingeSettings
+from fab.hinges import HingeSettings, heights_and_setbacks
 from fab.panels import LEAST_RADIUS_MM, PanelSettings, make_panels
 from fab.setbacks import sides_of
-from fab.thick import heights_and_setbacks, thicken
+from fab.standing import Standing
+from fab.thick import thicken
 from fab.window import feasible_window
 
 STEP = 1e-6
@@ -96,13 +96,19 @@ def test_a_square_by_hand():
     # tops: 9 - 2 t wide between two valleys, 9 - t between a valley and the mountain
     assert inradii(sides, back.at(0.0))[0] == pytest.approx(4.5)
     assert inradii(sides, back.at(1.0))[0] == pytest.approx(3.5)
-    assert thickness_bounds_mm(sides, back, heights, 0.5)[0] == pytest.approx(4.0)
     assert scale_bounds(sides, back, heights, 0.5)[0] == pytest.approx(0.4)
+    least, face = LEAST_RADIUS_MM, np.array([0])
+    most = Standing(pattern, panel, HINGE).largest_thickness_mm(face)
+    assert most == pytest.approx((9 - 2 * least) / 2)
     # the axis in the middle: its bottom is set back at the mountain, its top at the valleys
-    heights, back = heights_and_setbacks(
-        pattern, panel.model_copy(update={"axis": "middle"}), HINGE
-    )
-    assert thickness_bounds_mm(sides, back, heights, 0.5)[0] == pytest.approx(8.0)
+    middle = Standing(pattern, panel.model_copy(update={"axis": "middle"}), HINGE)
+    assert middle.largest_thickness_mm(face) == pytest.approx(9 - 2 * least)
+    # knuckles set panels back by their radius and the play as well: half the height over cos 22.5
+    knuckles = HingeSettings(kind="knuckle", pin_mm=0.1, play_mm=0.1, wall_mm=0.1)
+    axis = PanelSettings(thickness_mm=1.0, gap_mm=0.1, clearance_mm=0.0, axis="middle")
+    ratio = 1 + 1 / np.cos(np.pi / 8)
+    most = Standing(pattern, axis, knuckles).largest_thickness_mm(face)
+    assert most == pytest.approx(2 * (5 - least - 0.1) / ratio)
 
 
 @settings(max_examples=60)
@@ -119,25 +125,27 @@ def test_inradius_is_that_of_the_polygon(ring, setbacks):
     back[sides.edges[rows]] = setbacks[: len(ring)]
     radius = inradii(sides, back)[0]
     assert even + 0.3 - 0.5 - 1e-9 <= radius <= even + 0.3 + 1e-9
-    rise = largest_rises(sides, back, np.ones(len(back)), -100.0)[0]
-    assert rise == pytest.approx(radius + 100.0)
 
 
 @settings(max_examples=120)
 @given(jobs())
 def test_panels_stand_up_to_the_thickness_and_no_further(job):
     pattern, panel = job
-    sides = sides_of(pattern)
-    heights, back = heights_and_setbacks(pattern, panel, HINGE)
-    most = float(thickness_bounds_mm(sides, back, heights, LEAST_RADIUS_MM)[0])
+    most = Standing(pattern, panel, HINGE).largest_thickness_mm(np.array([0]))
     least = max(0.01, panel.axis_mm or 0.0)
-    if most < least + STEP:
-        assert not stands(pattern, thick(panel, least + 2 * STEP))
-    elif np.isfinite(most):
-        assert stands(pattern, thick(panel, most * (1 - STEP)))
+    if most is None:
+        assert not stands(pattern, thick(panel, least))
+    elif most < 1000.0:
+        assert stands(pattern, thick(panel, max(most * (1 - STEP), least)))
         assert not stands(pattern, thick(panel, most * (1 + STEP)))
     else:
         assert stands(pattern, thick(panel, 1000.0))
+
+
+def test_the_largest_value_at_which_something_holds():
+    assert largest_where(lambda x: x <= 7.3, 1e-3, 1e6) == pytest.approx(7.3, rel=1e-9)
+    assert largest_where(lambda x: x <= 7.3, 1e-3, 5.0) == 5.0
+    assert largest_where(lambda x: x <= 7.3, 8.0, 9.0) is None
 
 
 @settings(max_examples=120)
@@ -162,8 +170,13 @@ def test_faces_with_many_sides_agree_with_their_halves():
         pattern = framed(corners, rho)
         sides = sides_of(pattern)
         heights, back = heights_and_setbacks(pattern, PanelSettings(), HINGE)
-        bounds = sides, back, heights, LEAST_RADIUS_MM
-        found.append([thickness_bounds_mm(*bounds)[0], scale_bounds(*bounds)[0]])
+        most = Standing(pattern, PanelSettings(), HingeSettings())
+        found.append(
+            [
+                scale_bounds(sides, back, heights, LEAST_RADIUS_MM)[0],
+                most.largest_thickness_mm(np.array([0])),
+            ]
+        )
     assert found[0] == pytest.approx(found[1], rel=1e-7)
 
 
@@ -172,13 +185,21 @@ def test_no_size_and_no_thickness_help_a_crease_of_180_degrees():
     pattern = framed(ring, [180.0, 10, 10, 10])
     panel = PanelSettings()
     bounds = sides_of(pattern), *heights_and_setbacks(pattern, panel, HingeSettings())[::-1]
-    assert thickness_bounds_mm(*bounds, LEAST_RADIUS_MM)[0] == 0.0
     assert np.isinf(scale_bounds(*bounds, LEAST_RADIUS_MM)[0])
     assert np.isinf(least_scales(bounds[0], bounds[1].axis_mm, 1.0)[0])
     _, findings = thicken(pattern, panel, HingeSettings())
-    told = {finding.code: finding for finding in findings}["panel-vanishes"]
+    (told,) = findings
+    assert told.code == "fold-too-far"
     assert 0 in told.panels
-    assert "No thickness and no size helps: lower fold_limit_deg." in told.text
+    assert [pattern.edges_foldAngle[crease] for crease in told.creases] == [180.0]
+    limit = float(re.search(r"fold_limit_deg to at most ([\d.]+\d)", told.text)[1])
+
+    def count(limit_deg):
+        limited = panel.model_copy(update={"fold_limit_deg": limit_deg})
+        return len(thicken(pattern, limited, HingeSettings())[0].panels.bodies)
+
+    assert count(limit) == 5
+    assert count(limit + 0.1) < 5
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -225,9 +246,10 @@ def test_the_window_of_a_sheet(seed):
         assert count(row.thickness_mm, row.scale - STEP) < every
     # panels that collide at the target bound the thickness as well
     at = window.thickness_max_mm / 3
-    lower = feasible_window(pattern, panel, hinge, lambda thickness: thickness > at)
-    assert lower.thickness_max_mm == pytest.approx(at, rel=1e-8)
-    assert replace(lower, thickness_max_mm=window.thickness_max_mm) == window
+    lower = feasible_window(pattern, panel, hinge, lambda thickness: min(thickness, at))
+    assert lower.clear_max_mm == at
+    assert f"thickness_mm at most {rounded_down(at)}, at this" in "\n".join(lower.lines())
+    assert replace(lower, clear_max_mm=None) == window
 
 
 def test_the_window_of_faces_that_are_not_convex():
