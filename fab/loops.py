@@ -58,7 +58,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
     side = np.repeat(connected_components(links, directed=False)[1], 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
-    # around the end of a half edge of a ring, past the triangles of its side; corners within a side,
+    # around the end of a half edge of a ring, past the triangles of its side; corners within it,
     # as unions may leave them, are on no ring
     ringed = np.flatnonzero(border)
     onward = ahead[ringed]
