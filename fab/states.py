@@ -40,7 +40,7 @@ class FoldedState:
     Attributes
     ----------
     stage : flat, between, or at the target.
-    share : of the target fold angles, 0 to 1: of their sum; creases on the wrong side count as flat.
+    share : of the sum of all target fold angles, 0 to 1; creases on the wrong side count as flat.
     turns, shifts : shapes (nf, 3, 3) and (nf, 3), mm: motions x -> turn x + shift from flat.
     angles_deg : shape (ne,), fold angles between these faces; 0 where there are not two.
     bend_mm : largest distance of a corner from where the folded form has it: its faces bend.
