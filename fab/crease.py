@@ -12,9 +12,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from fab.development import Development
 from fab.errors import InvalidJob
@@ -34,8 +31,6 @@ __all__ = [
 
 # Creases that fold by less than this are flat (assignment F).
 FLAT_ANGLE_DEG = 1e-6
-# Corners of the folded form are in one place when they are nearer than this share of its size.
-_SAME_PLACE = 1e-7
 # Faces at a larger fold angle than this lie on each other.
 _STACKED_DEG = 179.0
 
@@ -82,25 +77,6 @@ class CreasePattern:
         """Edges with the faces beside them, as the solver names them."""
         return Edges(self.edges_vertices, self.edges_faces)
 
-    @cached_property
-    def closing_deg(self) -> FloatArray:
-        """Angles at which borders meet each other in the folded form, as fold angles, shape (ne,).
-
-        Where two sides of the sheet close, as those of a ring that is cut open to lie flat; NaN
-        elsewhere, where no folded form is known, and where the faces beside lie on each other.
-        """
-        out = np.full(len(self.edges_vertices), np.nan)
-        border = np.flatnonzero(self.edges_faces[:, 1] < 0)
-        if self.folded_coords is None or not len(border):
-            return out
-        one, two = border[_meeting(self.folded_coords, self.edges_vertices[border])].T
-        normals = face_normals(self.folded_coords, self.faces_vertices, self.faces_offsets)
-        start, end = self.folded_coords[self.edges_vertices[one]].swapaxes(0, 1)
-        n1, n2 = normals[self.edges_faces[[one, two], 0]]
-        angle = np.degrees(np.arctan2(dot(cross(n2, n1), unit(end - start)), dot(n1, n2)))
-        out[one] = out[two] = np.where(np.abs(angle) < _STACKED_DEG, angle, np.nan)
-        return out
-
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
         """For each number n of corners: the faces that have it, and their corners (nf', n)."""
         return by_size(self.faces_vertices, self.faces_offsets)
@@ -109,25 +85,6 @@ class CreasePattern:
         """Number of edges by assignment; U, C and J only where they occur."""
         found = {letter: int((self.edges_assignment == letter).sum()) for letter in "MVFBUCJ"}
         return {letter: count for letter, count in found.items() if count or letter in "MVFB"}
-
-
-def _meeting(coords: FloatArray, ends: IntArray) -> IntArray:
-    """Pairs of edges that lie on each other in opposite directions, and no third one, (k, 2)."""
-    used = np.unique(ends)
-    size = float(np.ptp(coords, axis=0).max())
-    near = cKDTree(coords[used]).query_pairs(_SAME_PLACE * size, output_type="ndarray")
-    count = len(used)
-    graph = coo_array((np.ones(len(near)), near.T), shape=(count, count))
-    place = connected_components(graph, directed=False)[1][np.searchsorted(used, ends)]
-    low, high = np.sort(place, axis=1).T
-    order = np.lexsort((high, low))
-    key = (low * count + high)[order]
-    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
-    pairs = first[np.diff(np.append(first, len(key))) == 2]
-    found = np.column_stack([order[pairs], order[pairs + 1]])
-    opposite = (place[found[:, 0]] == place[found[:, 1], ::-1]).all(axis=1)
-    out: IntArray = found[opposite]
-    return out
 
 
 def crease_pattern(

@@ -58,10 +58,15 @@ def side_loops(bodies: Bodies) -> SideLoops:
     links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
     side = np.repeat(connected_components(links, directed=False)[1], 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
-    following = ahead.copy()
-    while (within := ~border[following]).any():
-        following[within] = ahead[twin[following[within]]]
-    corners, offsets = _cycles(np.flatnonzero(border), following)
+    # around the end of a half edge of a ring, past the triangles of its side; corners within it,
+    # as unions may leave them, are on no ring
+    ringed = np.flatnonzero(border)
+    onward = ahead[ringed]
+    while (within := ~border[onward]).any():
+        onward[within] = ahead[twin[onward[within]]]
+    following = half
+    following[ringed] = onward
+    corners, offsets = _cycles(ringed, following)
     first = corners[offsets[:-1]]
     body = np.repeat(bodies.triangles_body, 3)[first]
     coords = bodies.vertices_coords[start[corners]]

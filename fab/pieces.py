@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from pydantic import Field
-from scipy.spatial import cKDTree
 
-from fab.crease import FLAT_ANGLE_DEG, CreasePattern, face_normals
+from fab.closing import closing_edges
+from fab.crease import CreasePattern, face_normals
 from fab.errors import Finding, Severity
 from fab.labels import Label, fitted, highest, number_text, piece_name
 from fab.partition import Sheet, assembly_order, extent, partition, upright
@@ -21,14 +21,10 @@ from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
 from solver.errors import InvalidValue, require_positive
 from solver.mesh import edges_of
-from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
+from solver.vectors import FloatArray, IntArray, cross, unit
 
 __all__ = ["Piece", "Pieces", "Seam", "SheetSplit", "split"]
 
-# Folded ends nearer than this share of the sheet are one point, and so a seam to be closed.
-_CLOSED_REL = 1e-6
-# Faces that lie on each other when folded are layers, no seam.
-_LAYERED_DEG = 179.0
 # Smaller letters cannot be read.
 _READABLE_MM = 1.0
 _MOST_NAMED = 20
@@ -161,7 +157,7 @@ def split(
     width, height = (length - 2 * border for length in bed_mm)
     told = f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less {border:g} mm on each side ({kept})"
     joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
-    closing, closing_angle = _closing_edges(pattern)
+    closing, closing_angle = closing_edges(pattern)
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True
     sheet = Sheet(pattern, joined, _reach(pattern, settings), glued, (width, height), told)
@@ -189,40 +185,6 @@ def split(
         tell(drawn, steps)
     made = Pieces(tuple(pieces), _numbered(pattern, pieces, seams, side))
     return made, _findings(made, settings)
-
-
-def _closing_edges(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
-    """Pairs of boundary edges that are one edge in the folded form, (n, 2), and their fold angles.
-
-    Edges that lie on each other when flat too are a slit, and layers folded flat on each other are
-    no seam.
-    """
-    folded = pattern.folded_coords
-    border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
-    none = np.empty((0, 2), np.int64), np.empty(0)
-    if folded is None or len(border) < 2:
-        return none
-    near = _CLOSED_REL * float(norm(np.ptp(folded, axis=0)))
-    ends = pattern.edges_vertices[border]
-    there = np.concatenate([folded[ends[:, 0]], folded[ends[:, 1]]], axis=1)
-    back = np.concatenate([folded[ends[:, 1]], folded[ends[:, 0]]], axis=1)
-    pairs = cKDTree(there).sparse_distance_matrix(cKDTree(back), near, output_type="coo_matrix")
-    one, two = pairs.row, pairs.col
-    times = np.bincount(one, minlength=len(border))
-    plain = (one < two) & (times[one] == 1) & (times[two] == 1)
-    one, two = one[plain], two[plain]
-    flat = pattern.vertices_coords
-    apart = norm(flat[ends[one]] - flat[ends[two][:, ::-1]]).max(axis=1) > near
-    one, two = one[apart], two[apart]
-    order = np.argsort(one)
-    edges = np.column_stack([border[one], border[two]])[order]
-    normals = face_normals(folded, pattern.faces_vertices, pattern.faces_offsets)
-    n1, n2 = normals[pattern.edges_faces[edges, 0]].swapaxes(0, 1)
-    u = unit(np.diff(folded[pattern.edges_vertices[edges[:, 0]]], axis=1)[:, 0])
-    angle = np.degrees(np.arctan2(dot(cross(n2, n1), u), dot(n1, n2)))
-    angle[np.abs(angle) < FLAT_ANGLE_DEG] = 0.0
-    real = np.abs(angle) < _LAYERED_DEG
-    return edges[real], angle[real]
 
 
 def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:

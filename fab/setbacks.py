@@ -6,7 +6,8 @@ The hinge axes lie at height z = 0. At a crease that folds by rho, a panel is se
     s(z) = s0 + max(0, -z tan(|rho| / 2))   mountains: they close below it
 
 so that in the folded state the two bevels are parallel, 2 s0 cos(rho / 2) apart. s0 is the largest
-of what the flat gap, the clearance at the target and the hinge need.
+of what the flat gap, the clearance at the target and the hinge need. Edges of the boundary that
+come together when folded, as those of a ring that is cut open, are set back as a crease is.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fab.closing import closing_edges
 from fab.crease import CreasePattern
 from fab.opened import edges_between
 from fab.polygons import next_corner
@@ -25,7 +27,7 @@ __all__ = ["Setbacks", "Sides", "setbacks", "sides_of"]
 
 @dataclass(frozen=True)
 class Setbacks:
-    """Setbacks of both panels from every edge, mm; none at borders that meet no others.
+    """Setbacks of both panels from every edge, mm; none at the outline where it does not close.
 
     Attributes
     ----------
@@ -67,10 +69,10 @@ def setbacks(
     axis lies outside of the panels on the side that opens.
     """
     shared = pattern.edges_faces[:, 1] >= 0
-    angle = pattern.edges_foldAngle
+    angle = pattern.edges_foldAngle.copy()
     if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not get to each other
-        closes = ~np.isnan(pattern.closing_deg)
-        shared, angle = shared | closes, np.where(closes, pattern.closing_deg, angle)
+        closing, closing_angle = closing_edges(pattern)
+        shared[closing], angle[closing] = True, closing_angle[:, None]
     half = np.radians(np.clip(angle, -limit_deg, limit_deg)) / 2
     slope = np.tan(np.minimum(np.abs(half), np.pi / 2))
     valley = half > 0

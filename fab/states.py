@@ -52,7 +52,7 @@ class FoldedState:
     Attributes
     ----------
     stage : flat, between, or at the target.
-    share : of the target fold angles, 0 to 1.
+    share : of the sum of all target fold angles, 0 to 1; creases on the wrong side count as flat.
     turns, shifts : shapes (nf, 3, 3) and (nf, 3), mm: motions x -> turn x + shift from flat.
     angles_deg : shape (ne,), fold angles between these faces; 0 where there are not two.
     bend_mm : largest distance of a corner from where the folded form has it: its faces bend.
@@ -72,7 +72,9 @@ class FoldedState:
             return "flat"
         if self.stage == Stage.TARGET and self.share == 1:
             return "at the target"
-        return f"at {100 * self.share:.0f} % of the fold"
+        percent = 100 * self.share
+        # as many digits as tell apart the states of a sheet that hardly folds until it snaps
+        return f"at {percent:{'.2g' if percent < 9.5 else '.0f'}} % of the fold"
 
 
 def flat_panels(pattern: CreasePattern) -> FoldedState:
@@ -165,19 +167,29 @@ def folded_states(
     )
     sheet, size_mm = folding.frame.sheet.pattern, folding.frame.size_mm
 
-    def add(coords: FloatArray, stage: Stage, share: float) -> None:
-        states.append(panels_at(pattern, coords * size_mm, stage, share, sheet))
+    def add(coords: FloatArray, stage: Stage) -> None:
+        state = panels_at(pattern, coords * size_mm, stage, 1.0, sheet)
+        on_the_way = stage != Stage.TARGET
+        states.append(replace(state, share=_share(pattern, state)) if on_the_way else state)
 
     for state in folding.states[1:-1]:
-        add(state.coords, Stage.BETWEEN, state.load)
+        add(state.coords, Stage.BETWEEN)
     target = target_form(folding.frame)
     if target is None and verdict.reached:
         target = folding.states[-1].coords
     if target is None:
-        add(folding.states[-1].coords, Stage.BETWEEN, 1.0)
+        add(folding.states[-1].coords, Stage.BETWEEN)
     else:
-        add(target, Stage.TARGET, 1.0)
+        add(target, Stage.TARGET)
     return states, [] if verdict.reached else [_unreached(target is not None)]
+
+
+def _share(pattern: CreasePattern, state: FoldedState) -> float:
+    """Which share of all fold angles a state has: creases may lag behind what drives them."""
+    wanted = pattern.edges_foldAngle
+    creases = (np.abs(wanted) > FLAT_ANGLE_DEG) & (pattern.edges_assignment != "C")
+    angles = np.clip(state.angles_deg[creases] * np.sign(wanted[creases]), 0, None)
+    return float(min(angles.sum() / np.abs(wanted[creases]).sum(), 1.0))
 
 
 def _unreached(known: bool) -> Finding:

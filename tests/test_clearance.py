@@ -301,6 +301,23 @@ def test_states_of_patterns_that_fold_flat_and_of_those_that_do_not_fold():
         folded_states(pattern, -1)
 
 
+def test_states_tell_the_share_of_angles_that_they_reach():
+    """A square twist does not fold rigidly: pulled at its creases it lies still, and then snaps."""
+    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "square_twist.fold")
+    states, _ = folded_states(pattern, 4)
+    inner = pattern.edges_faces[:, 1] >= 0
+    for state in states[1:-1]:
+        # bent into a bowl, mountains are on the wrong side
+        right = state.angles_deg[inner] * pattern.edges_foldAngle[inner] > 0
+        angles = np.abs(state.angles_deg[inner][right])
+        assert 0 < len(angles) < inner.sum()
+        assert state.share == pytest.approx(angles.sum() / (180 * inner.sum()))
+        assert 0 < state.share < 0.03
+        assert state.name == f"at {100 * state.share:.2g} % of the fold"
+    assert len({state.name for state in states}) == len(states)
+    assert states[-1].name == "at the target"
+
+
 def test_a_fold_that_misses_its_target_is_told():
     pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "resch.fold")
     states, (finding,) = folded_states(pattern, 3)

@@ -12,6 +12,7 @@ from solid_patterns import creased
 from thick_sheets import shipped_pattern
 
 from fab.clearance import inspect_thick
+from fab.closing import closing_edges
 from fab.collisions import clear_up_to, collisions
 from fab.crease import scaled
 from fab.errors import Severity
@@ -144,15 +145,13 @@ def test_borders_that_close_have_the_angle_and_the_setback_of_a_crease():
     shared = pattern.edges_faces[:, 1] >= 0
     pattern = creased(pattern, np.where(shared, 120.0, 0.0))
     tube = replace(pattern, folded_coords=fold_by_angles(pattern).folded_coords)
-    closing = tube.closing_deg
-    ends = np.flatnonzero(~np.isnan(closing))
-    assert len(ends) == 2
-    assert closing[ends] == pytest.approx([120.0, 120.0])
-    assert np.isnan(pattern.closing_deg).all()
+    (ends,), angles = closing_edges(tube)
+    assert angles == pytest.approx([120.0])
+    assert len(closing_edges(pattern)[0]) == 0
     back = setbacks(tube, (0.0, 1.0), gap_mm=1.0, clearance_mm=0.1, hinge_mm=np.zeros(len(shared)))
     for name in ("axis_mm", "above", "clearance_mm"):
         values = getattr(back, name)
         assert values[ends] == pytest.approx(values[shared][0], rel=1e-9)
     mirrored = replace(tube, edges_foldAngle=-tube.edges_foldAngle)
     flipped = replace(mirrored, folded_coords=tube.folded_coords * [1.0, 1.0, -1.0])
-    assert flipped.closing_deg[ends] == pytest.approx([-120.0, -120.0])
+    assert closing_edges(flipped)[1] == pytest.approx([-120.0])

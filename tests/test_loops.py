@@ -81,6 +81,31 @@ def test_a_ring_passes_a_corner_twice_where_a_pit_touches_it():
     assert len(set(ring.tolist())) == 6
 
 
+def test_corners_within_a_side_are_on_no_ring():
+    mesh = flat_sided(cube())
+    top = (mesh.vertices_coords[mesh.triangles, 2] == 4).all(axis=1)
+    middle = len(mesh.vertices_coords)
+    sides = mesh.triangles[top][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    rim = sides[~(sides[:, None, ::-1] == sides).all(axis=2).any(axis=1)]
+    fan = np.column_stack([rim, np.full(len(rim), middle)])
+    assert len(fan) == 4
+    fanned = TriangleMesh(
+        np.append(mesh.vertices_coords, [[2.0, 2, 4]], axis=0),
+        np.concatenate([mesh.triangles[~top], fan]),
+        np.concatenate(
+            [mesh.triangles_plane[~top], np.repeat(mesh.triangles_plane[top], len(fan) // 2)]
+        ),
+    )
+    bodies = bodies_of([fanned])
+    loops = side_loops(bodies)
+    assert np.diff(loops.offsets).tolist() == [4] * 6
+    assert middle not in loops.corners
+    (made,) = solids(bodies)
+    assert made.is_valid
+    assert len(made.vertices()) == 8
+    assert made.volume == pytest.approx(64, rel=1e-12)
+
+
 @settings(max_examples=20)
 @given(st.integers(1, 4), st.integers(1, 4), st.sampled_from(["bottom", "middle"]))
 def test_rings_bound_the_area_of_their_triangles(columns, rows, axis):

@@ -1,5 +1,6 @@
 """Panels against areas, half-spaces and folded pairs that are computed in other ways."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -325,3 +326,37 @@ def test_heights_of_the_axis():
 def test_settings_out_of_bounds_are_refused(wrong, words):
     with pytest.raises(ValidationError, match=words):
         PanelSettings(**wrong)
+
+
+@pytest.mark.parametrize("letter", ["V", "M"])
+@pytest.mark.parametrize("sides", [4, 6])
+@pytest.mark.parametrize("heights", [(0.0, 1.6), (-0.8, 0.8)])
+def test_a_cut_ring_is_set_back_where_it_closes_as_at_its_creases(sides, letter, heights):
+    """A strip of squares that folds to a prism: its first and last edge are one crease."""
+    across = 20.0 * np.arange(sides + 1)
+    flat = np.array([[x, y] for x in across for y in (0.0, 20.0)])
+    faces = [[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(sides)]
+    turn = 360.0 / sides
+    strip = pattern_of(flat, faces, letter, angle=turn)
+    heading = np.radians(turn) * np.arange(sides) * (1 if letter == "V" else -1)
+    steps = 20.0 * np.column_stack([np.cos(heading), 0 * heading, np.sin(heading)])
+    walked = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    folded = np.repeat(walked, 2, axis=0)
+    folded[1::2, 1] = 20.0
+    ring = replace(strip, folded_coords=folded)
+    back, open_back = backs(ring, heights), backs(strip, heights)
+    creases = strip.edges_faces[:, 1] >= 0
+    ends = np.ptp(flat[strip.edges_vertices][:, :, 0], axis=1) == 0
+    assert (ends & ~creases).sum() == 2
+    for name in ("axis_mm", "above", "below", "clearance_mm"):
+        (own,) = np.unique(np.round(getattr(back, name)[creases], 12))
+        assert getattr(back, name)[ends] == pytest.approx(own)
+    assert (back.axis_mm[~ends] == 0).all()
+    assert (open_back.axis_mm[~creases] == 0).all()
+    gaps = []
+    for one in (ring, strip):
+        panels, _ = make_panels(one, heights, backs(one, heights))
+        turns, shifts = face_poses(one, folded)
+        first, last = manifolds(panels.bodies.moved(turns, shifts).chosen(np.array([0, sides - 1])))
+        gaps.append(first.min_gap(last, 20.0))
+    assert gaps == pytest.approx([np.cos(np.radians(turn / 2)), 0.0], abs=1e-9)
