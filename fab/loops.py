@@ -13,7 +13,7 @@ from fab.polygons import next_corner
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm
 
-__all__ = ["SideLoops", "side_loops"]
+__all__ = ["SideLoops", "cycles", "side_loops"]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     following = ahead.copy()
     while (within := ~border[following]).any():
         following[within] = ahead[twin[following[within]]]
-    corners, offsets = _cycles(np.flatnonzero(border), following)
+    corners, offsets = cycles(np.flatnonzero(border), following)
     first = corners[offsets[:-1]]
     body = np.repeat(bodies.triangles_body, 3)[first]
     coords = bodies.vertices_coords[start[corners]]
@@ -94,7 +94,7 @@ def _twins(start: IntArray, end: IntArray, count: int) -> IntArray:
     return twin
 
 
-def _cycles(members: IntArray, following: IntArray) -> tuple[IntArray, IntArray]:
+def cycles(members: IntArray, following: IntArray) -> tuple[IntArray, IntArray]:
     """The cycles of a permutation of some numbers, rising, each from its least: all in turn, and
     where each begins.
     """

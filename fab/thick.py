@@ -108,7 +108,7 @@ def thicken(
         findings += without
     stiff = rigid.bodies
     if len(knuckles.creases):
-        stiff = bodies_of(with_knuckles(pattern, rigid, knuckles, hinge))
+        stiff = with_knuckles(pattern, rigid, knuckles, hinge)
     held = [webs.creases, knuckles.creases]
     film = bodies_of([])
     if "film" in hinge.kinds and len(panels.bodies):
