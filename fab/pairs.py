@@ -15,7 +15,7 @@ import numpy as np
 from fab.bodies import Bodies
 from fab.separation import apart_along, apart_at_least, near_pairs
 from fab.setbacks import Setbacks
-from fab.states import FoldedState, Stage, flat_panels
+from fab.states import FoldedState, Stage
 from fab.thick import ThickSheet
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, unit
 
@@ -30,6 +30,8 @@ OVERLAP_MM3 = 1e-6
 _KEPT = 0.97
 # Distances are measured up to this multiple of what is wanted, or known to be.
 _REACH = 1.5
+# Fold angles of states are known to this.
+_ANGLE_DEG = 1e-6
 # The closest pair is told to this.
 _TOLD = 1e-6
 
@@ -43,7 +45,7 @@ class ThickBodies:
     bodies, solids : the same, as arrays and for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.
-    linked : shape (k,), whether they reach past the crease into each other, as knuckles do.
+    linked : shape (k,), the number of the knuckles that join them, -1 without.
     """
 
     bodies: Bodies
@@ -53,7 +55,7 @@ class ThickBodies:
     creases: IntArray
     mates: IntArray
     mates_edge: IntArray
-    linked: BoolArray
+    linked: IntArray
 
 
 @dataclass(frozen=True)
@@ -102,17 +104,17 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
     all_of_them = len(chosen) == len(sheet.bodies)
     bodies = sheet.bodies if all_of_them else sheet.bodies.chosen(chosen)
-    mates = np.sort(mates[edges], axis=1)
-    past = apart_along(bodies, mates, _between(sheet, flat_panels(sheet.pattern), edges)) < 0
+    linked = np.full(len(mates), -1)
+    linked[sheet.knuckles.creases] = np.arange(len(sheet.knuckles.creases))
     return ThickBodies(
         bodies,
         [solids[body] for body in chosen.tolist()],
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,
         creases,
-        mates,
+        np.sort(mates[edges], axis=1),
         edges,
-        past & np.isin(edges, sheet.held) & ~np.isin(edges, sheet.creases),
+        linked[edges],
     )
 
 
@@ -138,7 +140,7 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     if state.stage != Stage.FLAT:
         bodies = bodies.moved(state.turns[moving], state.shifts[moving])
     promised = _promised(sheet, those, state)
-    least = float(promised[~those.linked].min(initial=np.inf))
+    least = float(promised.min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
     near = near_pairs(bodies, least)
@@ -159,6 +161,9 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     across = np.flatnonzero(mate >= 0)
     middle = _between(sheet, state, edges[across])
     apart[across] = apart_along(bodies, pairs[across], middle)
+    linked = np.flatnonzero((mate >= 0) & (those.linked[mate] >= 0)) if len(those.mates) else across
+    if state.stage != Stage.FLAT:
+        apart[linked] = _turned_mm(sheet, bodies, state, pairs[linked], those.linked[mate[linked]])
     undecided = np.flatnonzero(apart < wanted)
     apart[undecided] = np.maximum(
         apart[undecided], apart_at_least(bodies, pairs[undecided], wanted[undecided])
@@ -168,9 +173,9 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     overlap = np.zeros(len(pairs))
     exact = (apart < wanted) & ~touch
     if state.stage == Stage.BETWEEN:
-        # on the way it is enough for knuckles that they do not overlap
-        linked = np.isin(mate, np.flatnonzero(those.linked))
-        touch, exact = touch | linked, exact & ~linked
+        # on the way it is enough for knuckles of faces that bend that they do not overlap
+        loose = linked[apart[linked] < wanted[linked]]
+        touch[loose], exact[loose] = True, False
     for pair in np.flatnonzero(apart < wanted).tolist():
         first, second = pairs[pair].tolist()
         if exact[pair]:
@@ -206,7 +211,8 @@ class _Placed:
 
 
 def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> FloatArray:
-    """What the setbacks promise to panels across a crease, shape (k,), mm; 0 where they are linked.
+    """What panels across a crease must keep, shape (k,), mm: what their setbacks promise, but
+    linked ones their play; neither do barrels come nearer to any other panel.
 
     Between flat and the target it is the least of what they promise there and at the target.
     """
@@ -215,7 +221,37 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     out = promised_mm(back, heights, state.angles_deg)
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
-    return np.where(those.linked, 0.0, np.maximum(out[those.mates_edge], 0.0))
+    out = np.maximum(out[those.mates_edge], 0.0)
+    joined = sheet.pattern.edges_faces[sheet.knuckles.creases].ravel()
+    barrels = np.isin(those.faces[those.mates], joined).any(axis=1)
+    out[barrels] = np.minimum(out[barrels], sheet.knuckles.play_mm)
+    return np.where(those.linked >= 0, sheet.knuckles.play_mm, out)
+
+
+def _turned_mm(
+    sheet: ThickSheet, bodies: Bodies, state: FoldedState, pairs: IntArray, knuckles: IntArray
+) -> FloatArray:
+    """How far linked panels are apart at least in a state, mm; -inf where this is not known.
+
+    However far they turn about their axis between flat and the target, knuckles keep their play
+    (`fab.knuckles`). Where the ends of the axis lie s apart, seen from both panels, no point is
+    farther than s + 2 s d / l from where it would be, d the size of a body, l the axis' length.
+    """
+    pattern, hinges = sheet.pattern, sheet.knuckles
+    edge = hinges.creases[knuckles]
+    start, end = pattern.vertices_coords[pattern.edges_vertices[edge]].swapaxes(0, 1)
+    one, two = pattern.edges_faces[edge].T
+
+    def placed(face: IntArray, place: FloatArray) -> FloatArray:
+        turned = np.squeeze(state.turns[face][:, :, :2] @ place[:, :, None], axis=2)
+        return np.asarray(turned + state.shifts[face])
+
+    slip = np.max([norm(placed(one, at) - placed(two, at)) for at in (start, end)], axis=0)
+    size = _widths(bodies)[pairs].max(axis=1)
+    bound = hinges.play_mm - slip * (1 + 2 * size / norm(end - start))
+    angle, most = state.angles_deg[edge], pattern.edges_foldAngle[edge]
+    within = (angle * np.sign(most) >= -_ANGLE_DEG) & (np.abs(angle) <= np.abs(most) + _ANGLE_DEG)
+    return np.where(within, bound, -np.inf)
 
 
 def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:

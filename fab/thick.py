@@ -18,7 +18,7 @@ from fab.hinges import (
     hinge_setbacks,
 )
 from fab.holes import drilled
-from fab.knuckles import make_knuckles, with_knuckles
+from fab.knuckles import Knuckles, make_knuckles, with_knuckles
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
 from fab.setbacks import Setbacks, setbacks
@@ -40,6 +40,7 @@ class ThickSheet:
     faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
     creases : shape (n,), the edge that a web belongs to; -1 for others.
     flexible : shape (n,), whether it is of the second, softer material.
+    knuckles : where barrels of two panels turn about a pin.
     held : shape (k,), the edges whose two panels hold together by a hinge of any kind.
     joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
         webs reach into their panels. Panels stand on a film without a gap.
@@ -52,6 +53,7 @@ class ThickSheet:
     faces: IntArray
     creases: IntArray
     flexible: BoolArray
+    knuckles: Knuckles
     held: IntArray
     joining: Bodies
 
@@ -127,6 +129,7 @@ def thicken(
             np.concatenate([panels.faces, np.full(sum(counts[1:]), -1)]),
             np.concatenate([np.full(counts[0], -1), webs.creases, np.full(counts[2], -1)]),
             np.arange(sum(counts)) >= counts[0],
+            knuckles,
             np.sort(np.concatenate(held)),
             concatenated([stiff, webs.reaching, film]),
         ),
