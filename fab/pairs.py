@@ -67,7 +67,7 @@ class PairCheck:
     state : which. names : of all bodies; faces : the face of each, -1 for those that bend.
     pairs : shape (n, 2), those with a common crease, and all others near each other.
     edges : shape (n,), the common crease of two panels; -1 where there is none.
-    may_touch : shape (n,), for bodies of one face, for hinges, and on the way for linked panels.
+    may_touch : shape (n,), for bodies of one face, and for hinges.
     wanted_mm : shape (n,), the distance that each pair must keep.
     apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair.
     overlap_mm3 : shape (n,), common volume. depth_mm : shape (n,), how deep they reach into each
@@ -161,21 +161,22 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     across = np.flatnonzero(mate >= 0)
     middle = _between(sheet, state, edges[across])
     apart[across] = apart_along(bodies, pairs[across], middle)
-    linked = np.flatnonzero((mate >= 0) & (those.linked[mate] >= 0)) if len(those.mates) else across
+    linked = np.flatnonzero(mate >= 0)
+    linked = linked[those.linked[mate[linked]] >= 0]
+    knuckles = those.linked[mate[linked]]
+    slips = _slips_mm(sheet, state, knuckles)
     if state.stage != Stage.FLAT:
-        apart[linked] = _turned_mm(sheet, bodies, state, pairs[linked], those.linked[mate[linked]])
+        apart[linked] = _turned_mm(sheet, bodies, state, pairs[linked], knuckles, slips)
     undecided = np.flatnonzero(apart < wanted)
     apart[undecided] = np.maximum(
         apart[undecided], apart_at_least(bodies, pairs[undecided], wanted[undecided])
     )
     depth = np.maximum(-apart, 0.0)
+    # barrels lie within each other: they share what they slip beyond their play
+    depth[linked] = np.maximum(slips - sheet.knuckles.play_mm, 0.0)
     placed = _Placed(those, state, {})
     overlap = np.zeros(len(pairs))
     exact = (apart < wanted) & ~touch
-    if state.stage == Stage.BETWEEN:
-        # on the way it is enough for knuckles of faces that bend that they do not overlap
-        loose = linked[apart[linked] < wanted[linked]]
-        touch[loose], exact[loose] = True, False
     for pair in np.flatnonzero(apart < wanted).tolist():
         first, second = pairs[pair].tolist()
         if exact[pair]:
@@ -228,27 +229,37 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     return np.where(those.linked >= 0, sheet.knuckles.play_mm, out)
 
 
+def _slips_mm(sheet: ThickSheet, state: FoldedState, knuckles: IntArray) -> FloatArray:
+    """How far apart a crease's ends lie at most, seen from both panels, mm, shape (k,)."""
+    pattern = sheet.pattern
+    edge = sheet.knuckles.creases[knuckles]
+    ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
+    one, two = (
+        ends @ state.turns[face][:, :, :2].swapaxes(1, 2) + state.shifts[face][:, None]
+        for face in pattern.edges_faces[edge].T
+    )
+    return np.asarray(norm(one - two).max(axis=1, initial=0.0))
+
+
 def _turned_mm(
-    sheet: ThickSheet, bodies: Bodies, state: FoldedState, pairs: IntArray, knuckles: IntArray
+    sheet: ThickSheet,
+    bodies: Bodies,
+    state: FoldedState,
+    pairs: IntArray,
+    knuckles: IntArray,
+    slips_mm: FloatArray,
 ) -> FloatArray:
     """How far linked panels are apart at least in a state, mm; -inf where this is not known.
 
     However far they turn about their axis between flat and the target, knuckles keep their play
-    (`fab.knuckles`). Where the ends of the axis lie s apart, seen from both panels, no point is
-    farther than s + 2 s d / l from where it would be, d the size of a body, l the axis' length.
+    (`fab.knuckles`). Where the ends of the axis slip by s, no point of a body of size d is farther
+    than s + 2 s d / l from where it would be, l the length of the axis.
     """
-    pattern, hinges = sheet.pattern, sheet.knuckles
-    edge = hinges.creases[knuckles]
+    pattern = sheet.pattern
+    edge = sheet.knuckles.creases[knuckles]
     start, end = pattern.vertices_coords[pattern.edges_vertices[edge]].swapaxes(0, 1)
-    one, two = pattern.edges_faces[edge].T
-
-    def placed(face: IntArray, place: FloatArray) -> FloatArray:
-        turned = np.squeeze(state.turns[face][:, :, :2] @ place[:, :, None], axis=2)
-        return np.asarray(turned + state.shifts[face])
-
-    slip = np.max([norm(placed(one, at) - placed(two, at)) for at in (start, end)], axis=0)
-    size = _widths(bodies)[pairs].max(axis=1)
-    bound = hinges.play_mm - slip * (1 + 2 * size / norm(end - start))
+    size = _widths(bodies)[pairs].max(axis=1, initial=0.0)
+    bound = sheet.knuckles.play_mm - slips_mm * (1 + 2 * size / norm(end - start))
     angle, most = state.angles_deg[edge], pattern.edges_foldAngle[edge]
     within = (angle * np.sign(most) >= -_ANGLE_DEG) & (np.abs(angle) <= np.abs(most) + _ANGLE_DEG)
     return np.where(within, bound, -np.inf)
