@@ -24,6 +24,8 @@ __all__ = ["SolidFigures", "StateFigures", "inspect_thick"]
 _CLOSE = 0.5
 # Fold angles of states are known to this.
 _ANGLE_DEG = 1e-6
+# Faces that bend by less are flat.
+_BENT_MM = 1e-3
 _NAMED = 10
 
 
@@ -256,7 +258,10 @@ def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
                 shared, depth = check.overlap_mm3[row], check.depth_mm[row]
                 measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
                 # faces that bend may have more room than the rigid ones nearest to them
-                severity = Severity.ERROR if depth > 2 * check.state.bend_mm else Severity.WARNING
+                bend = check.state.bend_mm
+                severity = Severity.ERROR if depth > 2 * bend else Severity.WARNING
+                if bend > _BENT_MM:
+                    measure += f", where rigid panels lie up to {bend:.3g} mm off the bent faces"
             elif code == "clearance-too-small":
                 measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
             else:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fab.bodies import Bodies
+from fab.bodies import Bodies, TriangleMesh, bodies_of
 from fab.separation import apart_along, apart_at_least, near_pairs
 from fab.setbacks import Setbacks
 from fab.states import FoldedState, Stage
@@ -42,7 +42,8 @@ class ThickBodies:
 
     Attributes
     ----------
-    bodies, solids : the same, as arrays and for exact measures.
+    bodies : those with knuckles as their convex hulls, from which planes are as far away.
+    solids : the bodies themselves, for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.
     linked : shape (k,), the number of the knuckles that join them, -1 without.
@@ -69,7 +70,8 @@ class PairCheck:
     edges : shape (n,), the common crease of two panels; -1 where there is none.
     may_touch : shape (n,), for bodies of one face, and for hinges.
     wanted_mm : shape (n,), the distance that each pair must keep.
-    apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair.
+    apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair
+        unless knuckles join it.
     overlap_mm3 : shape (n,), common volume. depth_mm : shape (n,), how deep they reach into each
         other at most, where there is one.
     """
@@ -104,11 +106,20 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
     all_of_them = len(chosen) == len(sheet.bodies)
     bodies = sheet.bodies if all_of_them else sheet.bodies.chosen(chosen)
+    chosen_solids = [solids[body] for body in chosen.tolist()]
+    with_barrels = np.isin(faces, _with_barrels(sheet)) & (creases < 0)
+    if with_barrels.any():
+        bodies = bodies_of(
+            [
+                _hull(chosen_solids[i]) if hollow else bodies.mesh(i)
+                for i, hollow in enumerate(with_barrels.tolist())
+            ]
+        )
     linked = np.full(len(mates), -1)
     linked[sheet.knuckles.creases] = np.arange(len(sheet.knuckles.creases))
     return ThickBodies(
         bodies,
-        [solids[body] for body in chosen.tolist()],
+        chosen_solids,
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,
         creases,
@@ -116,6 +127,19 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
         edges,
         linked[edges],
     )
+
+
+def _with_barrels(sheet: ThickSheet) -> IntArray:
+    """The faces whose panels have barrels."""
+    return np.unique(sheet.pattern.edges_faces[sheet.knuckles.creases])
+
+
+def _hull(solid: Manifold) -> TriangleMesh:
+    """The convex hull of a body; each triangle is a side of its own."""
+    mesh = solid.hull().to_mesh64()
+    triangles = np.asarray(mesh.tri_verts, np.int64)
+    coords = np.array(mesh.vert_properties[:, :3], np.float64)
+    return TriangleMesh(coords, triangles, np.arange(len(triangles)))
 
 
 def promised_mm(
@@ -166,8 +190,8 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     knuckles = those.linked[mate[linked]]
     slips = _slips_mm(sheet, state, knuckles)
     if state.stage != Stage.FLAT:
-        apart[linked] = _turned_mm(sheet, bodies, state, pairs[linked], knuckles, slips)
-    undecided = np.flatnonzero(apart < wanted)
+        apart[linked] = _turned_mm(sheet, state, knuckles, slips)
+    undecided = np.setdiff1d(np.flatnonzero(apart < wanted), linked)  # no plane parts these
     apart[undecided] = np.maximum(
         apart[undecided], apart_at_least(bodies, pairs[undecided], wanted[undecided])
     )
@@ -183,7 +207,9 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
             apart[pair] = placed.apart(first, second, _REACH * max(wanted[pair], least))
         if touch[pair] or apart[pair] == 0.0:
             overlap[pair] = (placed.solid(first) ^ placed.solid(second)).volume()
-    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact)
+    # of knuckles the bound is as good as exact
+    known = np.isin(np.arange(len(pairs)), linked) & ~exact
+    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact | known)
     return PairCheck(
         state, those.names, those.faces, pairs, edges, touch, wanted, apart, overlap, depth
     )
@@ -223,8 +249,7 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
     out = np.maximum(out[those.mates_edge], 0.0)
-    joined = sheet.pattern.edges_faces[sheet.knuckles.creases].ravel()
-    barrels = np.isin(those.faces[those.mates], joined).any(axis=1)
+    barrels = np.isin(those.faces[those.mates], _with_barrels(sheet)).any(axis=1)
     out[barrels] = np.minimum(out[barrels], sheet.knuckles.play_mm)
     return np.where(those.linked >= 0, sheet.knuckles.play_mm, out)
 
@@ -242,27 +267,28 @@ def _slips_mm(sheet: ThickSheet, state: FoldedState, knuckles: IntArray) -> Floa
 
 
 def _turned_mm(
-    sheet: ThickSheet,
-    bodies: Bodies,
-    state: FoldedState,
-    pairs: IntArray,
-    knuckles: IntArray,
-    slips_mm: FloatArray,
+    sheet: ThickSheet, state: FoldedState, knuckles: IntArray, slips_mm: FloatArray
 ) -> FloatArray:
     """How far linked panels are apart at least in a state, mm; -inf where this is not known.
 
-    However far they turn about their axis between flat and the target, knuckles keep their play
-    (`fab.knuckles`). Where the ends of the axis slip by s, no point of a body of size d is farther
-    than s + 2 s d / l from where it would be, l the length of the axis.
+    Panels without their barrels are parted by the plane between them. However far they turn about
+    their axis between flat and the target, barrels and arms keep their play from all else
+    (`fab.knuckles`). They reach r from the axis. Where its ends slip by s, what is farther than
+    r + play from it comes nearer by s at most, and the rest by s + 2 s (r + play) / l, with the
+    length l of the axis.
     """
-    pattern = sheet.pattern
+    pattern, panels, play = sheet.pattern, sheet.panels, sheet.knuckles.play_mm
     edge = sheet.knuckles.creases[knuckles]
+    bare = panels.bodies.moved(state.turns[panels.faces], state.shifts[panels.faces])
+    mates = np.searchsorted(panels.faces, pattern.edges_faces[edge])
+    parted = apart_along(bare, mates, _between(sheet, state, edge))
     start, end = pattern.vertices_coords[pattern.edges_vertices[edge]].swapaxes(0, 1)
-    size = _widths(bodies)[pairs].max(axis=1, initial=0.0)
-    bound = sheet.knuckles.play_mm - slips_mm * (1 + 2 * size / norm(end - start))
+    ends = [np.hypot(panels.setbacks.at(z)[edge], z) for z in panels.heights_mm]
+    near = np.maximum(*ends) + play
+    kept = play - slips_mm * (1 + 2 * near / norm(end - start))
     angle, most = state.angles_deg[edge], pattern.edges_foldAngle[edge]
     within = (angle * np.sign(most) >= -_ANGLE_DEG) & (np.abs(angle) <= np.abs(most) + _ANGLE_DEG)
-    return np.where(within, bound, -np.inf)
+    return np.where(within, np.minimum(parted, kept), -np.inf)
 
 
 def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:
@@ -307,14 +333,14 @@ def _widths(bodies: Bodies) -> FloatArray:
 
 
 def _measure_closest(
-    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, exact: BoolArray
+    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, known: BoolArray
 ) -> None:
     """Make the distance of the closest pair exact, from the least bound upwards."""
     best = np.inf
     for pair in free[np.argsort(apart[free], kind="stable")].tolist():
         if apart[pair] >= best * (1 - _TOLD):
             break
-        if not exact[pair]:
+        if not known[pair]:
             one, two = pairs[pair].tolist()
             apart[pair] = placed.apart(one, two, _REACH * apart[pair])
         best = min(best, float(apart[pair]))
