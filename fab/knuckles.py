@@ -40,6 +40,8 @@ from solver.vectors import FloatArray, IntArray, norm
 
 __all__ = ["Knuckles", "make_knuckles", "with_knuckles"]
 
+# No shorter barrels are advised.
+_SHORTEST_MM = 1.0
 # Walls lie where their setbacks put them, but for rounding.
 _ON_WALL_MM = 1e-6
 
@@ -105,13 +107,19 @@ def make_knuckles(
     if short.any():
         need = 3 * settings.knuckle_mm + 2 * play
         longest = float(np.maximum(room[short], 0).max())
+        shorter = (longest - 2 * play) / 3
+        cure = (
+            f"knuckle_mm = {np.floor(100 * shorter) / 100:g} fits into that one"
+            if shorter >= _SHORTEST_MM
+            else f"too short for barrels of {_SHORTEST_MM:g} mm"
+        )
         findings.append(
             _missing(
                 creases[short],
                 f"are too short for knuckles: three barrels of knuckle_mm = "
                 f"{settings.knuckle_mm:g} need {need:.4g} mm between the corners of their panels, "
-                f"the longest of them has {longest:.4g}. Lower knuckle_mm or thickness_mm, or "
-                "enlarge the sheet",
+                f"the longest of them has {longest:.4g}: {cure}. Lower knuckle_mm or "
+                "thickness_mm, or enlarge the sheet",
             )
         )
     kept = turns & fits

@@ -41,6 +41,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     """The rings around the sides of all bodies; a side is a connected part of a plane.
 
     Rings that meet in a vertex stay apart: around it they go on within the same fan of triangles.
+    Vertices within a side are in no ring.
 
     Raises `InvalidValue` where triangles do not close a body.
     """
@@ -58,10 +59,12 @@ def side_loops(bodies: Bodies) -> SideLoops:
     links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
     side = np.repeat(connected_components(links, directed=False)[1], 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
+    members = np.flatnonzero(border)
     following = ahead.copy()
-    while (within := ~border[following]).any():
-        following[within] = ahead[twin[following[within]]]
-    corners, offsets = cycles(np.flatnonzero(border), following)
+    turning = members
+    while len(turning := turning[~border[following[turning]]]):
+        following[turning] = ahead[twin[following[turning]]]
+    corners, offsets = cycles(members, following)
     first = corners[offsets[:-1]]
     body = np.repeat(bodies.triangles_body, 3)[first]
     coords = bodies.vertices_coords[start[corners]]

@@ -5,12 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
+from solid_patterns import folded_pair
 from thick_sheets import miura_pattern, thick
 
 from fab.bodies import Bodies, TriangleMesh, bodies_of
 from fab.brep import solids
+from fab.hinges import HingeSettings
 from fab.loops import side_loops
+from fab.panels import PanelSettings
 from fab.polygons import next_corner
+from fab.thick import thicken
 from solver import InvalidValue
 from solver.vectors import cross
 
@@ -79,6 +83,31 @@ def test_a_ring_passes_a_corner_twice_where_a_pit_touches_it():
     ring = max(np.split(loops.corners, loops.offsets[1:-1]), key=len)
     assert len(ring) == 7
     assert len(set(ring.tolist())) == 6
+
+
+def test_a_vertex_within_a_side_is_in_no_ring():
+    mesh = flat_sided(cube())
+    a, b, c = mesh.triangles[0]
+    middle, count = mesh.vertices_coords[[a, b, c]].mean(axis=0), len(mesh.vertices_coords)
+    parts = np.array([[a, b, count], [b, c, count], [c, a, count]])
+    finer = TriangleMesh(
+        np.vstack([mesh.vertices_coords, middle]),
+        np.concatenate([mesh.triangles[1:], parts]),
+        np.concatenate([mesh.triangles_plane[1:], np.repeat(mesh.triangles_plane[0], 3)]),
+    )
+    loops = side_loops(bodies_of([finer]))
+    assert len(loops.offsets) - 1 == 6
+    assert count not in loops.corners
+
+
+def test_panels_with_knuckles_and_holes_are_exact_solids():
+    panel = PanelSettings(thickness_mm=3.2, axis="middle")
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0, hole_mm=2.0)
+    sheet, _ = thicken(folded_pair(60.0), panel, hinge)
+    assert len(sheet.held) == 1
+    made = solids(sheet.bodies)
+    assert all(one.is_valid for one in made)
+    assert [one.volume for one in made] == pytest.approx(sheet.bodies.volumes_mm3(), rel=1e-12)
 
 
 @settings(max_examples=20)
