@@ -28,10 +28,13 @@ def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, lis
     lying = edges.lying(len(panels.bodies))
     free = shapely.intersection(*(_outlines(panels, edges, sides) for sides in lying))
     least = hole_mm / 2 / np.cos(np.pi / ROUND_SIDES) + wall_mm
-    across = shapely.maximum_inscribed_circle(free, tolerance=least / 100)
-    radii = shapely.length(across)
+    area = shapely.buffer(free, 0.0)  # without what has none, such as where sides only touch
+    room = np.flatnonzero(~shapely.is_empty(area))
+    across = shapely.maximum_inscribed_circle(area[room], tolerance=least / 100)
+    radii = np.zeros(len(free))
+    radii[room] = shapely.length(across)
     wide = np.flatnonzero(radii >= least)
-    centres = shapely.get_coordinates(shapely.get_point(across[wide], 0))
+    centres = shapely.get_coordinates(shapely.get_point(across[radii[room] >= least], 0))
     out = replace(panels, bodies=_pierced(panels, edges, wide, centres, hole_mm / 2))
     narrow = panels.faces[radii < least].tolist()
     widest = float(radii[radii < least].max(initial=0.0))

@@ -389,6 +389,23 @@ def test_holes_that_leave_too_thin_a_wall_are_refused_at_the_bound():
         assert {solid.genus() for solid in manifolds(sheet.bodies)} == {int(fits)}
 
 
+def test_panels_whose_top_is_not_over_their_bottom_have_no_hole():
+    """A strip of 10 between a valley and a mountain of 140 degrees leans by more than its width."""
+    x, y = [0.0, 30.0, 40.0, 70.0], [0.0, 20.0]
+    coords = np.array([[u, v] for v in y for u in x])
+    pattern = pattern_of(coords, [[i, i + 1, i + 5, i + 4] for i in range(3)])
+    inner = np.flatnonzero(pattern.edges_faces[:, 1] >= 0)
+    angles = np.zeros(len(pattern.edges_vertices))
+    angles[inner] = [140.0, -140.0]
+    panel = PanelSettings(thickness_mm=6.4, axis="middle", gap_mm=0.4)
+    hinge = HingeSettings(kind="none", hole_mm=2.0)
+    sheet, findings = thicken(creased(pattern, angles), panel, hinge)
+    assert len(sheet.bodies) == 3
+    assert codes(findings) == ["hole-missing"]
+    assert findings[0].panels == (1,)
+    assert [solid.genus() for solid in manifolds(sheet.bodies)] == [1, 0, 1]
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_may_be_drilled(kind):
     pattern = miura_of(140.0)
