@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
+from fab.covering import covered
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray, IntArray, cross, dot
 
@@ -193,34 +193,15 @@ def stacked(rings: FloatArray, offsets: IntArray, heights_mm: FloatArray) -> Bod
 def cap_triangles(rings: FloatArray) -> IntArray:
     """Triangles of simple counterclockwise polygons, shape (k, n, 2) -> (k, n - 2, 3).
 
-    Up to four corners a fan from the corner that gives its thinnest triangle most area. Polygons
-    with more get their Delaunay triangles, so that corners on a straight side make no slivers.
-
-    Raises `InvalidValue` for polygons that cross or touch themselves.
+    Which they are says `fab.covering`. Raises `InvalidValue` for polygons of more than four corners
+    that cross or touch themselves.
     """
-    n = rings.shape[1]
+    count, n = rings.shape[:2]
     if n > 4:
-        return np.stack([_delaunay(ring) for ring in rings])
-    corners = np.arange(n)
-    fans = np.stack(
-        [
-            np.column_stack([np.full(n - 2, s), (s + k) % n, (s + k + 1) % n])
-            for s in corners
-            for k in [np.arange(1, n - 1)]
-        ]
-    )
-    points = rings[:, fans]
-    one, two = points[..., 1, :] - points[..., 0, :], points[..., 2, :] - points[..., 0, :]
-    thinnest = (one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]).min(axis=2)
-    return np.asarray(fans[thinnest.argmax(axis=1)], np.int64)
-
-
-def _delaunay(ring: FloatArray) -> IntArray:
-    """Constrained Delaunay triangles of one polygon, counterclockwise, shape (n - 2, 3)."""
-    outline = shapely.Polygon(ring)
-    if not outline.is_valid:
-        why = shapely.is_valid_reason(outline)
-        raise InvalidValue("polygon", why, "neither cross nor touch itself", "Split the face.")
-    found = shapely.orient_polygons(shapely.constrained_delaunay_triangles(outline))
-    corners = shapely.get_coordinates(found).reshape(-1, 4, 2)[:, :3]
-    return np.asarray(cKDTree(ring).query(corners)[1], np.int64)
+        outlines = shapely.polygons(rings)
+        for wrong in outlines[~shapely.is_valid(outlines)]:
+            why = shapely.is_valid_reason(wrong)
+            raise InvalidValue("polygon", why, "neither cross nor touch itself", "Split the face.")
+    starts = n * np.arange(count + 1)
+    found = covered(rings.reshape(-1, 2), starts, np.arange(count + 1))
+    return np.asarray(found.reshape(count, n - 2, 3) - starts[:-1, None, None])

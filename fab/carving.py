@@ -17,43 +17,20 @@ from solver.vectors import FloatArray, IntArray
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["carved", "meshes", "prism", "section", "solid", "united"]
+__all__ = ["meshes", "prism", "section", "solid"]
 
 
-def solid(mesh: TriangleMesh, origin: int | None = None) -> Manifold:
-    """A body as a manifold3d solid whose triangles know their planar side.
-
-    origin : a number for where they are from, reserved; one of its own where left out.
-    """
+def solid(mesh: TriangleMesh) -> Manifold:
+    """A body as a manifold3d solid whose triangles know their planar side."""
     from manifold3d import Manifold, Mesh64
 
-    run = [] if origin is None else [origin]
     return Manifold(
         Mesh64(
             np.ascontiguousarray(mesh.vertices_coords),
             mesh.triangles.astype(np.uint64),
-            run_index=np.array([0, 3 * len(mesh.triangles)] if run else [], np.uint64),
-            run_original_id=np.array(run, np.uint32),
             face_id=mesh.triangles_plane.astype(np.uint64),
         )
     )
-
-
-def carved(body: TriangleMesh, cutters: Sequence[TriangleMesh]) -> TriangleMesh:
-    """The body without what lies in any of the cutters."""
-    from manifold3d import Manifold, OpType
-
-    parts = [solid(mesh) for mesh in (body, *cutters)]
-    return meshes([Manifold.batch_boolean(parts, OpType.Subtract)])[0]
-
-
-def united(bodies: Sequence[TriangleMesh]) -> TriangleMesh:
-    """All bodies as one. Sides with the same number are one side, where they lie in one plane."""
-    from manifold3d import Manifold, OpType
-
-    origin = Manifold.reserve_ids(1)
-    parts = [solid(mesh, origin) for mesh in bodies]
-    return meshes([Manifold.batch_boolean(parts, OpType.Add)])[0]
 
 
 def prism(ring: FloatArray, low_mm: float, high_mm: float) -> Manifold:

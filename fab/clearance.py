@@ -24,6 +24,8 @@ __all__ = ["SolidFigures", "StateFigures", "inspect_thick"]
 
 # Panels without a common crease are close at less than this share of the least promised distance.
 _CLOSE = 0.5
+# Faces that bend by less are flat.
+_BENT_MM = 1e-3
 _NAMED = 10
 
 
@@ -241,6 +243,9 @@ def _reported(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
                 measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
                 # faces that bend may have more room than the rigid ones nearest to them
                 severity = Severity.ERROR if check.deep[row] else Severity.WARNING
+                bend = check.state.bend_mm
+                if bend > _BENT_MM:
+                    measure += f", where rigid panels lie up to {bend:.3g} mm off the bent faces"
             elif code == "clearance-too-small":
                 measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
             else:

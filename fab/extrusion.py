@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from fab.bodies import TriangleMesh
+from fab.covering import covered
 from fab.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["circle", "extruded"]
+__all__ = ["circle", "extruded", "walls"]
 
 
 def circle(centre: FloatArray, radius: float, sides: int, *, around: bool) -> shapely.Polygon:
@@ -29,18 +29,23 @@ def extruded(region: shapely.Polygon, low_mm: float, high_mm: float) -> Triangle
     rings = [shapely.get_coordinates(ring)[:-1] for ring in (region.exterior, *region.interiors)]
     flat = np.concatenate(rings)
     count = len(flat)
-    here = np.arange(count)
-    there = next_corner(np.cumsum([0, *map(len, rings)]))
-    top = _covered(region, flat)
-    walls = [[here, there, there + count], [here, there + count, here + count]]
-    triangles = np.concatenate([top[:, ::-1], top + count, *(np.stack(w, axis=1) for w in walls)])
+    here, offsets = np.arange(count), np.cumsum([0, *map(len, rings)])
+    there = next_corner(offsets)
+    top = covered(flat, offsets, np.array([0, len(rings)]))
+    triangles = np.concatenate([top[:, ::-1], top + count, walls(here, there, count)])
     plane = np.concatenate([np.repeat([0, 1], len(top)), here + 2, here + 2])
     heights = np.repeat([low_mm, high_mm], count)
     return TriangleMesh(np.column_stack([np.tile(flat, (2, 1)), heights]), triangles, plane)
 
 
-def _covered(region: shapely.Polygon, corners: FloatArray) -> IntArray:
-    """Counterclockwise triangles over a region, by the numbers of its corners, shape (k, 3)."""
-    found = shapely.orient_polygons(shapely.constrained_delaunay_triangles(region))
-    places = shapely.get_coordinates(found).reshape(-1, 4, 2)[:, :3]
-    return np.asarray(cKDTree(corners).query(places)[1], np.int64)
+def walls(here: IntArray, there: IntArray, count: int) -> IntArray:
+    """Triangles that stand on edges with a region on their left, seen from outside, (2 n, 3).
+
+    here, there : shape (n,), the corners at the bottom; `count` further on are those at the top.
+    """
+    return np.concatenate(
+        [
+            np.column_stack([here, there, there + count]),
+            np.column_stack([here, there + count, here + count]),
+        ]
+    )

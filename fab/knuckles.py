@@ -22,13 +22,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from fab.bodies import TriangleMesh, bodies_of
-from fab.carving import united
+from fab.barrels import IN_TOP, Barrels, barrel_rows, solid_barrels
+from fab.bodies import Bodies
 from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
-from fab.extrusion import circle, extruded
+from fab.extrusion import circle
 from fab.hinges import (
-    BARREL_SIDES,
     ROUND_SIDES,
     HingeSettings,
     crease_kinds,
@@ -37,14 +36,15 @@ from fab.hinges import (
 )
 from fab.panels import Panels
 from fab.setbacks import Setbacks
-from solver.vectors import BoolArray, FloatArray, IntArray
+from fab.stitching import HalfEdges, bodies_from, half_edges, triangles_within
+from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
 __all__ = ["Knuckles", "knuckles_turn", "make_knuckles", "with_knuckles"]
 
-# Arms reach so far into their panel, with which they are united.
-_REACH_MM = 1e-3
-# No panel has so many sides of its own.
-_OTHERS = 1_000_000
+# No shorter barrels are advised.
+_SHORTEST_MM = 1.0
+# Walls lie where their setbacks put them, but for rounding.
+_ON_WALL_MM = 1e-6
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,19 @@ def make_knuckles(
     if short.any():
         need = 3 * settings.knuckle_mm + 2 * play
         longest = float(np.maximum(room[short], 0).max())
+        shorter = (longest - 2 * play) / 3
+        cure = (
+            f"knuckle_mm = {np.floor(100 * shorter) / 100:g} fits into that one"
+            if shorter >= _SHORTEST_MM
+            else f"too short for barrels of {_SHORTEST_MM:g} mm"
+        )
         findings.append(
             _missing(
                 creases[short],
                 f"are too short for knuckles: three barrels of knuckle_mm = "
                 f"{settings.knuckle_mm:g} need {need:.4g} mm between the corners of their panels, "
-                f"the longest of them has {longest:.4g}. Lower knuckle_mm or thickness_mm, or "
-                "enlarge the sheet",
+                f"the longest of them has {longest:.4g}: {cure}. Lower knuckle_mm or "
+                "thickness_mm, or enlarge the sheet",
             )
         )
     kept = turns & fits
@@ -134,134 +140,139 @@ def _missing(creases: IntArray, why: str) -> Finding:
 
 def with_knuckles(
     pattern: CreasePattern, panels: Panels, knuckles: Knuckles, settings: HingeSettings
-) -> list[TriangleMesh]:
-    """Every panel, united with its barrels, arms and pins where it has any."""
-    parts = _parts(pattern, panels, knuckles, settings)
-    low, high = panels.heights_mm
-    meshes = []
-    for i, face in enumerate(panels.faces.tolist()):
-        mesh = panels.bodies.mesh(i)
-        if face in parts:
-            # those of several creases stand apart from each other
-            all_parts = bodies_of(parts[face])
-            barrels = TriangleMesh(
-                all_parts.vertices_coords, all_parts.triangles, all_parts.triangles_plane
-            )
-            mesh = united([_told(mesh, low, high), _told(barrels, low, high, _OTHERS)])
-        meshes.append(mesh)
-    return meshes
+) -> Bodies:
+    """Every panel with its barrels, arms and pins where it has any, in one piece with it.
 
-
-def _told(mesh: TriangleMesh, low: float, high: float, others: int = 2) -> TriangleMesh:
-    """A part of a panel; its bottom is side 0, its top 1, and its other sides follow `others`."""
-    z = mesh.vertices_coords[mesh.triangles, 2]
-    own = mesh.triangles_plane - mesh.triangles_plane.min() + others
-    at = [(z == height).all(axis=1) for height in (low, high)]
-    return replace(mesh, triangles_plane=np.where(at[0], 0, np.where(at[1], 1, own)))
-
-
-def _parts(
-    pattern: CreasePattern, panels: Panels, knuckles: Knuckles, settings: HingeSettings
-) -> dict[int, list[TriangleMesh]]:
-    """Bodies that are to be united with the panel of each face."""
-    sides, back = panels.sides, panels.setbacks
-    radius = panels.heights_mm[1]
-    corner = radius * np.tan(np.pi / BARREL_SIDES)
-    eight = [(radius, corner), (corner, radius), (-corner, radius), (-radius, corner)]
-    barrel = shapely.Polygon([*eight, *((-x, -z) for x, z in eight)])
-    none = np.zeros(2)
-    bore = circle(none, settings.pin_mm / 2 + settings.play_mm, ROUND_SIDES, around=True)
-    pin = circle(none, settings.pin_mm / 2, ROUND_SIDES, around=False)
-    first, second = crease_sides(pattern, panels)
-    out: dict[int, list[TriangleMesh]] = {}
-    for crease, (low, _), count, width in zip(
-        knuckles.creases.tolist(),
-        knuckles.ends.tolist(),
-        knuckles.counts.tolist(),
-        knuckles.widths_mm.tolist(),
-        strict=True,
-    ):
-        section = barrel | _arm(
-            radius, float(back.axis_mm[crease]), float(back.above[crease]),
-            float(back.below[crease]),
-        )  # fmt: skip
-        starts = low + np.arange(count) * (width + knuckles.play_mm)
-        runs = np.column_stack([starts, starts + width])
-        length = float(sides.length_mm[first[crease]])
-        one, two = int(first[crease]), int(second[crease])
-        for side, made in (
-            (one, _strung(section, pin, runs[::2])),
-            # the second face sees its crease the other way round
-            (two, _row(section - bore, length - runs[1::2][::-1, ::-1])),
-        ):
-            out.setdefault(int(sides.faces[side]), []).append(
-                _placed(made, sides.start[side], sides.along[side])
-            )
-    return out
-
-
-def _arm(radius: float, off: float, above: float, below: float) -> shapely.Polygon:
-    """The section of an arm: away from the axis and upwards, behind the bisecting plane."""
-    return shapely.Polygon(
-        [
-            (below * radius, -radius),
-            (off + below * radius + _REACH_MM, -radius),
-            (off + _REACH_MM, 0.0),
-            (off + above * radius + _REACH_MM, radius),
-            (above * radius, radius),
-            (0.0, 0.0),
-        ]
-    )
-
-
-def _row(section: shapely.Polygon, runs: FloatArray) -> TriangleMesh:
-    """Bodies of one section over several runs, shape (k, 2), of the third coordinate."""
-    one = extruded(section, 0.0, 1.0)
-    place = runs[:, :1] + (runs[:, 1:] - runs[:, :1]) * one.vertices_coords[:, 2]
-    count = len(one.vertices_coords)
-    shift = np.arange(len(runs))[:, None, None] * count
-    return TriangleMesh(
-        np.column_stack([np.tile(one.vertices_coords[:, :2], (len(runs), 1)), place.ravel()]),
-        (one.triangles + shift).reshape(-1, 3),
-        np.tile(one.triangles_plane, len(runs)),
-    )
-
-
-def _strung(section: shapely.Polygon, pin: shapely.Polygon, runs: FloatArray) -> TriangleMesh:
-    """Bodies of one section over several runs, one with the pin that spans the gaps between them.
-
-    They begin as a row with holes in the section of the pin. Walls of a hole, turned round and put
-    between two of them, are those of the pin; the first and the last hole get a lid.
+    An arm meets the wall of its panel over its full height. The wall is left out there, and the
+    corners of the arm become corners of the sides around it.
     """
-    row = _row(section - pin, runs)
-    both = len(row.vertices_coords) // len(runs)
-    count, sides = both // 2, len(pin.exterior.coords) - 1
-    per_run = len(row.triangles) // len(runs)
-    hole = np.isin(row.triangles[:per_run] % count, np.arange(count - sides, count)).all(axis=1)
-    hole &= row.triangles_plane[:per_run] > 1
-    walls, wall_planes = row.triangles[:per_run][hole], row.triangles_plane[:per_run][hole]
-    # from the far end of one body to the near end of the next
-    across = np.where(walls < count, walls + count, walls - count + both)
-    gaps = (across[:, ::-1] + np.arange(len(runs) - 1)[:, None, None] * both).reshape(-1, 3)
-    ring = np.arange(count - sides, count)
-    lid = np.column_stack([np.full(sides - 2, ring[0]), ring[1:-1], ring[2:]])
-    end = len(row.vertices_coords) - count
-    return TriangleMesh(
-        row.vertices_coords,
-        np.concatenate([row.triangles[np.tile(~hole, len(runs))], gaps, lid, lid[:, ::-1] + end]),
-        np.concatenate(
-            [
-                row.triangles_plane[np.tile(~hole, len(runs))],
-                np.tile(wall_planes, len(runs) - 1),
-                np.repeat([0, 1], sides - 2),
-            ]
+    barrels = _barrels(pattern, panels, knuckles)
+    body = np.searchsorted(panels.faces, panels.sides.faces[barrels.sides])
+    edges = half_edges(panels.bodies)
+    bottoms, tops = edges.lying(len(panels.bodies))
+    pin = settings.pin_mm / 2
+    rings = [
+        shapely.get_coordinates(circle(np.zeros(2), radius, ROUND_SIDES, around=around))[:-1]
+        for radius, around in ((pin, False), (pin + settings.play_mm, True))
+    ]
+    coords, owners = [panels.bodies.vertices_coords], [panels.bodies.vertices_body]
+    triangles, planes = [], []
+    vertex, plane = len(coords[0]), len(edges.bodies)
+    on_wall = np.empty((len(body), 2, 3), np.int64)
+    for row in solid_barrels(
+        barrels, panels.sides, panels.setbacks, panels.heights_mm[1], rings[0], rings[1]
+    ):
+        whose = body[row.barrels]
+        owner = whose[row.owner]
+        coords.append(row.coords.reshape(-1, 3))
+        owners.append(np.repeat(whose, row.coords.shape[1]))
+        triangles.append(row.triangles + vertex)
+        lying = np.where(row.planes == IN_TOP, tops[owner], bottoms[owner])
+        planes.append(np.where(row.planes < 0, lying, row.planes + plane))
+        on_wall[row.barrels] = row.corners + vertex
+        vertex += len(coords[-1])
+        plane += int(row.planes.max()) + 1
+    places = np.concatenate(coords)
+    walls = _opened(edges, panels, barrels, body, on_wall, places)
+    covers, side = triangles_within(walls, places)
+    return bodies_from(
+        places,
+        np.concatenate(owners),
+        np.concatenate([covers, *triangles]),
+        np.concatenate([side, *planes]),
+    )
+
+
+def _barrels(pattern: CreasePattern, panels: Panels, knuckles: Knuckles) -> Barrels:
+    both = np.column_stack(crease_sides(pattern, panels))[knuckles.creases]
+    return barrel_rows(
+        knuckles.creases,
+        both,
+        panels.sides.length_mm[both[:, 0]],
+        knuckles.ends,
+        knuckles.counts,
+        knuckles.play_mm,
+    )
+
+
+def _opened(
+    edges: HalfEdges,
+    panels: Panels,
+    barrels: Barrels,
+    body: IntArray,
+    on_wall: IntArray,
+    coords: FloatArray,
+) -> HalfEdges:
+    """The half edges of panels with corners at their barrels, their walls left out there.
+
+    body : the panel of each barrel. on_wall : shape (n, 2, 3), vertices of each barrel, at both of
+    its ends, at the bottom, axis and top of the wall.
+    """
+    met = [
+        _along_walls(edges, panels, barrels, body, coords, z)
+        for z in (panels.heights_mm[0], 0.0, panels.heights_mm[1])
+    ]
+    lies = np.zeros(len(edges.bodies), bool)
+    for sides in edges.lying(len(panels.bodies)):
+        lies[sides] = True
+    split = np.concatenate([edge for edge, _ in met])
+    number = np.concatenate([barrel for _, barrel in met])
+    level = np.repeat(np.arange(3), [len(edge) for edge, _ in met])
+    # every edge that is split begins at its own start, then follow both ends of each barrel
+    cut = np.unique(split)
+    edge = np.concatenate([cut, np.repeat(split, 2)])
+    barrel = np.concatenate([np.full(len(cut), -1), np.repeat(number, 2)])
+    start = np.concatenate([edges.start[cut], on_wall[number, :, level].ravel()])
+    order = np.lexsort((norm(coords[start] - coords[edges.start[edge]]), edge))
+    edge, barrel, start = edge[order], barrel[order], start[order]
+    goes_on = np.append(edge[1:] == edge[:-1], False)
+    end = np.where(goes_on, np.roll(start, -1), edges.end[edge])
+    within = goes_on & (barrel >= 0) & (barrel == np.roll(barrel, -1))
+    kept = ~within | lies[edges.sides[edge]]
+    # walls end at the barrels: upwards at the near end of each, downwards at its far end
+    wall = np.empty((len(body), 2), np.int64)
+    for column, (those, at) in enumerate((met[0], met[2])):
+        upright = ~lies[edges.sides[those]]
+        wall[at[upright], column] = edges.sides[those[upright]]
+    near, far = on_wall[:, 0], on_wall[:, 1]
+    whole = np.ones(len(edges.start), bool)
+    whole[cut] = False
+    return replace(
+        edges,
+        start=np.concatenate(
+            [edges.start[whole], start[kept], near[:, :2].ravel(), far[:, 1:].ravel()]
+        ),
+        end=np.concatenate([edges.end[whole], end[kept], near[:, 1:].ravel(), far[:, :2].ravel()]),
+        sides=np.concatenate(
+            [edges.sides[whole], edges.sides[edge[kept]], wall.ravel(), wall.ravel()]
         ),
     )
 
 
-def _placed(mesh: TriangleMesh, start: FloatArray, along: FloatArray) -> TriangleMesh:
-    """A mesh of sections (x into the panel, z) and of places along its side, where they are."""
-    x, z, t = mesh.vertices_coords.T
-    inward = np.array([-along[1], along[0]])
-    flat = start + t[:, None] * along + x[:, None] * inward
-    return replace(mesh, vertices_coords=np.column_stack([flat, z]))
+def _along_walls(
+    edges: HalfEdges,
+    panels: Panels,
+    barrels: Barrels,
+    body: IntArray,
+    coords: FloatArray,
+    z_mm: float,
+) -> tuple[IntArray, IntArray]:
+    """Half edges at a height along the wall behind a barrel, and that barrel, shape (k,) each."""
+    level = np.abs(coords[:, 2] - z_mm) <= _ON_WALL_MM
+    there = np.flatnonzero(level[edges.start] & level[edges.end])
+    owner = edges.bodies[edges.sides[there]]  # rising
+    first = np.searchsorted(owner, body)
+    many = np.searchsorted(owner, body, "right") - first
+    barrel = np.repeat(np.arange(len(body)), many)
+    edge = there[np.arange(len(barrel)) + np.repeat(first + many - np.cumsum(many), many)]
+    side = barrels.sides[barrel]
+    ends = coords[np.column_stack([edges.start[edge], edges.end[edge]]), :2]
+    ends = ends - panels.sides.start[side][:, None]
+    inward = (ends * panels.sides.inward[side][:, None]).sum(axis=2)
+    along = (ends * panels.sides.along[side][:, None]).sum(axis=2)
+    off = np.abs(inward - panels.setbacks.at(z_mm)[barrels.creases[barrel], None]).max(axis=1)
+    covers = (along.min(axis=1) <= barrels.runs[barrel, 0]) & (
+        along.max(axis=1) >= barrels.runs[barrel, 1]
+    )
+    fits = (off <= _ON_WALL_MM) & covers
+    return edge[fits], barrel[fits]

@@ -13,7 +13,7 @@ from fab.polygons import next_corner
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm
 
-__all__ = ["SideLoops", "side_loops"]
+__all__ = ["SideLoops", "cycles", "side_loops"]
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     """The rings around the sides of all bodies; a side is a connected part of a plane.
 
     Rings that meet in a vertex stay apart: around it they go on within the same fan of triangles.
+    Vertices within a side are in no ring.
 
     Raises `InvalidValue` where triangles do not close a body.
     """
@@ -58,15 +59,12 @@ def side_loops(bodies: Bodies) -> SideLoops:
     links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
     side = np.repeat(connected_components(links, directed=False)[1], 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
-    # around the end of a half edge of a ring, past the triangles of its side; corners within it,
-    # as unions may leave them, are on no ring
-    ringed = np.flatnonzero(border)
-    onward = ahead[ringed]
-    while (within := ~border[onward]).any():
-        onward[within] = ahead[twin[onward[within]]]
-    following = half
-    following[ringed] = onward
-    corners, offsets = _cycles(ringed, following)
+    members = np.flatnonzero(border)
+    following = ahead.copy()
+    turning = members
+    while len(turning := turning[~border[following[turning]]]):
+        following[turning] = ahead[twin[following[turning]]]
+    corners, offsets = cycles(members, following)
     first = corners[offsets[:-1]]
     body = np.repeat(bodies.triangles_body, 3)[first]
     coords = bodies.vertices_coords[start[corners]]
@@ -99,7 +97,7 @@ def _twins(start: IntArray, end: IntArray, count: int) -> IntArray:
     return twin
 
 
-def _cycles(members: IntArray, following: IntArray) -> tuple[IntArray, IntArray]:
+def cycles(members: IntArray, following: IntArray) -> tuple[IntArray, IntArray]:
     """The cycles of a permutation of some numbers, rising, each from its least: all in turn, and
     where each begins.
     """

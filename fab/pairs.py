@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fab.bodies import Bodies
+from fab.bodies import Bodies, TriangleMesh, bodies_of
 from fab.separation import apart_along, apart_at_least, near_pairs
 from fab.setbacks import Setbacks
-from fab.states import FoldedState, Stage, flat_panels
+from fab.states import FoldedState, Stage
 from fab.thick import ThickSheet
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, unit
 
@@ -30,6 +30,8 @@ OVERLAP_MM3 = 1e-6
 _KEPT = 0.97
 # Distances are measured up to this multiple of what is wanted, or known to be.
 _REACH = 1.5
+# Fold angles of states are known to this.
+_ANGLE_DEG = 1e-6
 # The closest pair is told to this.
 _TOLD = 1e-6
 
@@ -40,10 +42,11 @@ class ThickBodies:
 
     Attributes
     ----------
-    bodies, solids : the same, as arrays and for exact measures.
+    bodies : those with knuckles as their convex hulls, from which planes are as far away.
+    solids : the bodies themselves, for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.
-    linked : shape (k,), whether they reach past the crease into each other, as knuckles do.
+    linked : shape (k,), the number of the knuckles that join them, -1 without.
     """
 
     bodies: Bodies
@@ -53,7 +56,7 @@ class ThickBodies:
     creases: IntArray
     mates: IntArray
     mates_edge: IntArray
-    linked: BoolArray
+    linked: IntArray
 
 
 @dataclass(frozen=True)
@@ -65,9 +68,10 @@ class PairCheck:
     state : which. names : of all bodies; faces : the face of each, -1 for those that bend.
     pairs : shape (n, 2), those with a common crease, and all others near each other.
     edges : shape (n,), the common crease of two panels; -1 where there is none.
-    may_touch : shape (n,), for bodies of one face, for hinges, and on the way for linked panels.
+    may_touch : shape (n,), for bodies of one face, and for hinges.
     wanted_mm : shape (n,), the distance that each pair must keep.
-    apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair.
+    apart_mm : shape (n,), at least so far apart; exact below `wanted_mm`, and for the closest pair
+        unless knuckles join it.
     overlap_mm3 : shape (n,), common volume. depth_mm : shape (n,), how deep they reach into each
         other at most, where there is one.
     """
@@ -113,18 +117,40 @@ def thick_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) ->
     edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
     all_of_them = len(chosen) == len(sheet.bodies)
     bodies = sheet.bodies if all_of_them else sheet.bodies.chosen(chosen)
-    mates = np.sort(mates[edges], axis=1)
-    past = apart_along(bodies, mates, _between(sheet, flat_panels(sheet.pattern), edges)) < 0
+    chosen_solids = [solids[body] for body in chosen.tolist()]
+    with_barrels = np.isin(faces, _with_barrels(sheet)) & (creases < 0)
+    if with_barrels.any():
+        bodies = bodies_of(
+            [
+                _hull(chosen_solids[i]) if hollow else bodies.mesh(i)
+                for i, hollow in enumerate(with_barrels.tolist())
+            ]
+        )
+    linked = np.full(len(mates), -1)
+    linked[sheet.knuckles.creases] = np.arange(len(sheet.knuckles.creases))
     return ThickBodies(
         bodies,
-        [solids[body] for body in chosen.tolist()],
+        chosen_solids,
         tuple(sheet.names[body].replace("_", " ") for body in chosen.tolist()),
         faces,
         creases,
-        mates,
+        np.sort(mates[edges], axis=1),
         edges,
-        past & np.isin(edges, sheet.held) & ~np.isin(edges, sheet.creases),
+        linked[edges],
     )
+
+
+def _with_barrels(sheet: ThickSheet) -> IntArray:
+    """The faces whose panels have barrels."""
+    return np.unique(sheet.pattern.edges_faces[sheet.knuckles.creases])
+
+
+def _hull(solid: Manifold) -> TriangleMesh:
+    """The convex hull of a body; each triangle is a side of its own."""
+    mesh = solid.hull().to_mesh64()
+    triangles = np.asarray(mesh.tri_verts, np.int64)
+    coords = np.array(mesh.vert_properties[:, :3], np.float64)
+    return TriangleMesh(coords, triangles, np.arange(len(triangles)))
 
 
 def promised_mm(
@@ -149,7 +175,7 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     if state.stage != Stage.FLAT:
         bodies = bodies.moved(state.turns[moving], state.shifts[moving])
     promised = _promised(sheet, those, state)
-    least = float(promised[~those.linked].min(initial=np.inf))
+    least = float(promised.min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
     near = near_pairs(bodies, least)
@@ -170,25 +196,31 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     across = np.flatnonzero(mate >= 0)
     middle = _between(sheet, state, edges[across])
     apart[across] = apart_along(bodies, pairs[across], middle)
-    undecided = np.flatnonzero(apart < wanted)
+    linked = np.flatnonzero(mate >= 0)
+    linked = linked[those.linked[mate[linked]] >= 0]
+    knuckles = those.linked[mate[linked]]
+    slips = _slips_mm(sheet, state, knuckles)
+    if state.stage != Stage.FLAT:
+        apart[linked] = _turned_mm(sheet, state, knuckles, slips)
+    undecided = np.setdiff1d(np.flatnonzero(apart < wanted), linked)  # no plane parts these
     apart[undecided] = np.maximum(
         apart[undecided], apart_at_least(bodies, pairs[undecided], wanted[undecided])
     )
     depth = np.maximum(-apart, 0.0)
+    # barrels lie within each other: they share what they slip beyond their play
+    depth[linked] = np.maximum(slips - sheet.knuckles.play_mm, 0.0)
     placed = _Placed(those, state, {})
     overlap = np.zeros(len(pairs))
     exact = (apart < wanted) & ~touch
-    if state.stage == Stage.BETWEEN:
-        # on the way it is enough for knuckles that they do not overlap
-        linked = np.isin(mate, np.flatnonzero(those.linked))
-        touch, exact = touch | linked, exact & ~linked
     for pair in np.flatnonzero(apart < wanted).tolist():
         first, second = pairs[pair].tolist()
         if exact[pair]:
             apart[pair] = placed.apart(first, second, _REACH * max(wanted[pair], least))
         if touch[pair] or apart[pair] == 0.0:
             overlap[pair] = (placed.solid(first) ^ placed.solid(second)).volume()
-    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact)
+    # of knuckles the bound is as good as exact
+    known = np.isin(np.arange(len(pairs)), linked) & ~exact
+    _measure_closest(placed, pairs, np.flatnonzero(~touch), apart, exact | known)
     return PairCheck(
         state, those.names, those.faces, pairs, edges, touch, wanted, apart, overlap, depth
     )
@@ -217,7 +249,8 @@ class _Placed:
 
 
 def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> FloatArray:
-    """What the setbacks promise to panels across a crease, shape (k,), mm; 0 where they are linked.
+    """What panels across a crease must keep, shape (k,), mm: what their setbacks promise, but
+    linked ones their play; neither do barrels come nearer to any other panel.
 
     Between flat and the target it is the least of what they promise there and at the target.
     """
@@ -226,7 +259,47 @@ def _promised(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Floa
     out = promised_mm(back, heights, state.angles_deg)
     if state.stage == Stage.BETWEEN:
         out = np.fmin(promised_mm(back, heights, np.zeros_like(out)), back.clearance_mm)
-    return np.where(those.linked, 0.0, np.maximum(out[those.mates_edge], 0.0))
+    out = np.maximum(out[those.mates_edge], 0.0)
+    barrels = np.isin(those.faces[those.mates], _with_barrels(sheet)).any(axis=1)
+    out[barrels] = np.minimum(out[barrels], sheet.knuckles.play_mm)
+    return np.where(those.linked >= 0, sheet.knuckles.play_mm, out)
+
+
+def _slips_mm(sheet: ThickSheet, state: FoldedState, knuckles: IntArray) -> FloatArray:
+    """How far apart a crease's ends lie at most, seen from both panels, mm, shape (k,)."""
+    pattern = sheet.pattern
+    edge = sheet.knuckles.creases[knuckles]
+    ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
+    one, two = (
+        ends @ state.turns[face][:, :, :2].swapaxes(1, 2) + state.shifts[face][:, None]
+        for face in pattern.edges_faces[edge].T
+    )
+    return np.asarray(norm(one - two).max(axis=1, initial=0.0))
+
+
+def _turned_mm(
+    sheet: ThickSheet, state: FoldedState, knuckles: IntArray, slips_mm: FloatArray
+) -> FloatArray:
+    """How far linked panels are apart at least in a state, mm; -inf where this is not known.
+
+    Panels without their barrels are parted by the plane between them. However far they turn about
+    their axis between flat and the target, barrels and arms keep their play from all else
+    (`fab.knuckles`). They reach r from the axis. Where its ends slip by s, what is farther than
+    r + play from it comes nearer by s at most, and the rest by s + 2 s (r + play) / l, with the
+    length l of the axis.
+    """
+    pattern, panels, play = sheet.pattern, sheet.panels, sheet.knuckles.play_mm
+    edge = sheet.knuckles.creases[knuckles]
+    bare = panels.bodies.moved(state.turns[panels.faces], state.shifts[panels.faces])
+    mates = np.searchsorted(panels.faces, pattern.edges_faces[edge])
+    parted = apart_along(bare, mates, _between(sheet, state, edge))
+    start, end = pattern.vertices_coords[pattern.edges_vertices[edge]].swapaxes(0, 1)
+    ends = [np.hypot(panels.setbacks.at(z)[edge], z) for z in panels.heights_mm]
+    near = np.maximum(*ends) + play
+    kept = play - slips_mm * (1 + 2 * near / norm(end - start))
+    angle, most = state.angles_deg[edge], pattern.edges_foldAngle[edge]
+    within = (angle * np.sign(most) >= -_ANGLE_DEG) & (np.abs(angle) <= np.abs(most) + _ANGLE_DEG)
+    return np.where(within, np.minimum(parted, kept), -np.inf)
 
 
 def _may_touch(those: ThickBodies, pairs: IntArray) -> BoolArray:
@@ -271,14 +344,14 @@ def _widths(bodies: Bodies) -> FloatArray:
 
 
 def _measure_closest(
-    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, exact: BoolArray
+    placed: _Placed, pairs: IntArray, free: IntArray, apart: FloatArray, known: BoolArray
 ) -> None:
     """Make the distance of the closest pair exact, from the least bound upwards."""
     best = np.inf
     for pair in free[np.argsort(apart[free], kind="stable")].tolist():
         if apart[pair] >= best * (1 - _TOLD):
             break
-        if not exact[pair]:
+        if not known[pair]:
             one, two = pairs[pair].tolist()
             apart[pair] = placed.apart(one, two, _REACH * apart[pair])
         best = min(best, float(apart[pair]))

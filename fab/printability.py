@@ -165,19 +165,29 @@ def _gaps(sheet: ThickSheet, printer: Printer) -> list[Finding]:
     standing[sheet.panels.faces] = True
     gap = 2 * sheet.panels.setbacks.axis_mm
     gap[~standing[sheet.pattern.edges_faces].all(axis=1)] = np.inf
-    narrow = np.flatnonzero(gap < printer.least_gap_mm - _ON_BED_MM)
-    if not len(narrow):
-        return []
-    return [
-        Finding(
-            "gap-too-narrow",
-            Severity.WARNING,
-            f"{len(narrow)} gaps are narrower than the printer's least_gap_mm = "
-            f"{printer.least_gap_mm:g}, the least is {gap.min():.3g} mm: panels fuse. "
-            "Raise gap_mm.",
-            creases=tuple(narrow[:_NAMED].tolist()),
-        )
-    ]
+    knuckles = sheet.knuckles
+    findings = []
+    for creases, least, what, cure in (
+        (np.arange(len(gap)), gap, "gaps are", "panels fuse. Raise gap_mm."),
+        (
+            knuckles.creases,
+            np.full(len(knuckles.creases), knuckles.play_mm),
+            "knuckles have a play that is",
+            "they fuse. Raise play_mm.",
+        ),
+    ):
+        narrow = least < printer.least_gap_mm - _ON_BED_MM
+        if narrow.any():
+            findings.append(
+                Finding(
+                    "gap-too-narrow",
+                    Severity.WARNING,
+                    f"{narrow.sum()} {what} narrower than the printer's least_gap_mm = "
+                    f"{printer.least_gap_mm:g}, the least is {least.min():.3g} mm: {cure}",
+                    creases=tuple(creases[narrow][:_NAMED].tolist()),
+                )
+            )
+    return findings
 
 
 def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:

@@ -17,7 +17,7 @@ from fab.hinges import (
     heights_and_setbacks,
 )
 from fab.holes import drilled
-from fab.knuckles import make_knuckles, with_knuckles
+from fab.knuckles import Knuckles, make_knuckles, with_knuckles
 from fab.panels import Panels, PanelSettings, make_panels
 from fab.poses import face_poses
 from fab.standing import inspect_standing
@@ -40,6 +40,7 @@ class ThickSheet:
     faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
     creases : shape (n,), the edge that a web belongs to; -1 for others.
     flexible : shape (n,), whether it is of the second, softer material.
+    knuckles : where barrels of two panels turn about a pin.
     held : shape (k,), the edges whose two panels hold together by a hinge of any kind.
     joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
         webs reach into their panels. Panels stand on a film without a gap.
@@ -54,6 +55,7 @@ class ThickSheet:
     faces: IntArray
     creases: IntArray
     flexible: BoolArray
+    knuckles: Knuckles
     held: IntArray
     joining: Bodies
 
@@ -91,7 +93,7 @@ def rigid_sheet(
         findings += without
     bodies = rigid.bodies
     if len(knuckles.creases):
-        bodies = bodies_of(with_knuckles(pattern, rigid, knuckles, hinge))
+        bodies = with_knuckles(pattern, rigid, knuckles, hinge)
     return (
         ThickSheet(
             pattern,
@@ -103,6 +105,7 @@ def rigid_sheet(
             panels.faces,
             np.full(len(bodies), -1),
             np.zeros(len(bodies), bool),
+            knuckles,
             knuckles.creases,
             bodies,
         ),

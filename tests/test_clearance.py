@@ -246,6 +246,45 @@ def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
     assert codes(findings) == ["solids-overlap"]
 
 
+@given(st.floats(-130, 130), st.floats(0, 1), st.floats(0, 0.05), st.integers(0, 99))
+@settings(max_examples=25, deadline=None)
+def test_knuckles_whose_axis_slips_are_not_told_to_be_farther_apart_than_they_are(
+    angle, share, slip, seed
+):
+    pattern = book(angle)
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0)
+    sheet, _ = thicken(pattern, PanelSettings(thickness_mm=3.2, axis="middle"), hinge)
+    if not len(sheet.held):
+        return
+    way = np.random.default_rng(seed).normal(size=3)
+    partly = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
+    state = replace(target(partly), stage=Stage.BETWEEN, share=share)
+    shifts = state.shifts.copy()
+    shifts[1] += slip * way / np.linalg.norm(way)
+    state = replace(state, shifts=shifts)
+    one, two = manifolds(sheet.posed(partly.folded_coords))
+    exact = one.min_gap(two.translate(shifts[1] - target(partly).shifts[1]), 1.0)
+    told = inspected(sheet, [state])[0].states[0].clearance_min_mm
+    assert told <= exact + 1e-9
+    # and the bound is of use: it loses no more than what a slip could cost
+    assert told >= 0.25 - 1.6 * slip - 1e-9
+
+
+def test_overlap_of_knuckles_between_faces_that_bend_is_a_warning():
+    pattern = book(60.0)
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0)
+    sheet, _ = thicken(pattern, PanelSettings(thickness_mm=4.0, axis="middle"), hinge)
+    state = target(pattern)
+    shifts = state.shifts.copy()
+    shifts[0, 1] += 0.4
+    for bend, severity in ((0.0, Severity.ERROR), (0.2, Severity.WARNING)):
+        slipped = replace(state, shifts=shifts, bend_mm=bend)
+        (finding,) = inspected(sheet, [slipped])[1]
+        assert (finding.code, finding.severity) == ("solids-overlap", severity)
+        assert "up to 0.15 mm deep" in finding.text  # 0.4 less the play of 0.25
+        assert ("0.2 mm off the bent faces" in finding.text) is (bend > 0)
+
+
 def test_panels_without_a_common_crease_must_not_touch(miura):
     sheet, states = miura
     shifts = states[0].shifts.copy()

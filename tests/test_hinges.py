@@ -21,6 +21,7 @@ from fab.joining import joined_mesh, manifold_of, manifolds
 from fab.knuckles import make_knuckles
 from fab.panels import PanelSettings
 from fab.poses import face_poses
+from fab.soundness import parts_of
 from fab.thick import thicken
 from solver import Miura
 
@@ -227,6 +228,53 @@ def test_knuckles_have_the_analytic_volume(angle):
     assert [solid.genus() for solid in manifolds(sheet.bodies)] == [3, 3]
 
 
+@pytest.mark.parametrize("hole", [0.0, 2.0])
+@pytest.mark.parametrize("angle", [0.0, 30.0, 45.0, 100.0, 140.0])
+@pytest.mark.parametrize("corners", [3, 6])
+def test_stitched_panels_are_the_union_of_panels_and_barrels(corners, angle, hole):
+    """Panels around a polygon, drilled or not, folded both ways: notches of every shape."""
+    turn = np.arange(corners) * 2 * np.pi / corners
+    ring = 60 * np.column_stack([np.cos(turn), np.sin(turn)])
+    pattern = ringed(ring, angle * (-1) ** np.arange(corners))
+    panel = PanelSettings(thickness_mm=3.0, axis="middle", fold_limit_deg=150.0)
+    hinge = HingeSettings(kind="knuckle", hole_mm=hole)
+    sheet, findings = thicken(pattern, panel, hinge)
+    assert findings == []
+    bare, _ = thicken(pattern, panel, hinge.model_copy(update={"knuckle_mm": 1000.0}))
+    assert len(bare.held) == 0
+    knuckles, _ = make_knuckles(pattern, sheet.panels, hinge)
+    added = np.zeros(len(bare.bodies))
+    back = sheet.panels.setbacks
+    for crease, count, width in zip(
+        knuckles.creases, knuckles.counts, knuckles.widths_mm, strict=True
+    ):
+        half = np.arctan(max(back.above[crease], back.below[crease]))
+        one, two = pattern.edges_faces[crease]
+        full, pin, bore = knuckle_sections(1.5, back.axis_mm[crease], half)
+        added[one] += (count + 1) / 2 * width * full
+        added[one] += ((count - 1) / 2 * width + (count - 1) * 0.25) * pin
+        added[two] += (count - 1) / 2 * width * (full - bore)
+    assert sheet.bodies.volumes_mm3() == pytest.approx(bare.bodies.volumes_mm3() + added, rel=1e-12)
+    assert parts_of(sheet.bodies).tolist() == [1] * len(sheet.bodies)
+    for made, plain in zip(manifolds(sheet.bodies), manifolds(bare.bodies), strict=True):
+        assert made.status() == Error.NoError
+        assert (plain - made).volume() < 1e-9
+
+
+def knuckle_sections(radius, off, half):
+    """Areas of barrel and arm, of the pin, and of the hole."""
+    barrel = shapely.Polygon(
+        [radius / np.cos(np.pi / 8) * np.array([np.cos(a), np.sin(a)])
+         for a in (np.arange(8) + 0.5) * np.pi / 4]
+    )  # fmt: skip
+    lean = radius * np.tan(half)
+    arm = shapely.Polygon(
+        [(0, -radius), (off, -radius), (off, 0), (off + lean, radius), (lean, radius), (0, 0)]
+    )
+    bore = 12 * ((0.6 + 0.25) / np.cos(np.pi / 24)) ** 2 * np.sin(np.pi / 12)
+    return (barrel | arm).area, 12 * 0.6**2 * np.sin(np.pi / 12), bore
+
+
 def test_planar_sides_of_knuckles_are_planar_and_whole():
     sheet, _ = thicken(folded_pair(80.0), THICK, HingeSettings(kind="knuckle", hole_mm=3.0))
     for i in range(2):
@@ -252,6 +300,13 @@ def test_knuckles_are_refused_just_beyond_what_the_length_allows():
         if not fits:
             assert findings[0].creases
             assert "need 12.5 mm" in findings[0].text
+            assert "12.5: knuckle_mm = 3.99 fits into that one" in findings[0].text
+            hinge = HingeSettings(kind="knuckle", knuckle_mm=3.99)
+            sheet, findings = thicken(folded_pair(60.0, length=length), THICK, hinge)
+            assert findings == []
+            assert len(sheet.held) == 1
+    _, findings = thicken(folded_pair(60.0, length=4.0), THICK, HingeSettings(kind="knuckle"))
+    assert "too short for barrels of 1 mm" in findings[0].text
 
 
 def test_knuckles_are_refused_just_beyond_the_largest_fold_angle():
@@ -333,6 +388,23 @@ def test_holes_that_leave_too_thin_a_wall_are_refused_at_the_bound():
         sheet, findings = thicken(pattern, PanelSettings(gap_mm=1.0), hinge)
         assert codes(findings) == ([] if fits else ["hole-missing"])
         assert {solid.genus() for solid in manifolds(sheet.bodies)} == {int(fits)}
+
+
+def test_panels_whose_top_is_not_over_their_bottom_have_no_hole():
+    """A strip of 10 between a valley and a mountain of 140 degrees leans by more than its width."""
+    x, y = [0.0, 30.0, 40.0, 70.0], [0.0, 20.0]
+    coords = np.array([[u, v] for v in y for u in x])
+    pattern = pattern_of(coords, [[i, i + 1, i + 5, i + 4] for i in range(3)])
+    inner = np.flatnonzero(pattern.edges_faces[:, 1] >= 0)
+    angles = np.zeros(len(pattern.edges_vertices))
+    angles[inner] = [140.0, -140.0]
+    panel = PanelSettings(thickness_mm=6.4, axis="middle", gap_mm=0.4)
+    hinge = HingeSettings(kind="none", hole_mm=2.0)
+    sheet, findings = thicken(creased(pattern, angles), panel, hinge)
+    assert len(sheet.bodies) == 3
+    assert codes(findings) == ["hole-missing"]
+    assert findings[0].panels == (1,)
+    assert [solid.genus() for solid in manifolds(sheet.bodies)] == [1, 0, 1]
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -5,12 +5,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
+from solid_patterns import folded_pair
 from thick_sheets import miura_pattern, thick
 
 from fab.bodies import Bodies, TriangleMesh, bodies_of
 from fab.brep import solids
+from fab.hinges import HingeSettings
 from fab.loops import side_loops
+from fab.panels import PanelSettings
 from fab.polygons import next_corner
+from fab.thick import thicken
 from solver import InvalidValue
 from solver.vectors import cross
 
@@ -104,6 +108,16 @@ def test_corners_within_a_side_are_on_no_ring():
     assert made.is_valid
     assert len(made.vertices()) == 8
     assert made.volume == pytest.approx(64, rel=1e-12)
+
+
+def test_panels_with_knuckles_and_holes_are_exact_solids():
+    panel = PanelSettings(thickness_mm=3.2, axis="middle")
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0, hole_mm=2.0)
+    sheet, _ = thicken(folded_pair(60.0), panel, hinge)
+    assert len(sheet.held) == 1
+    made = solids(sheet.bodies)
+    assert all(one.is_valid for one in made)
+    assert [one.volume for one in made] == pytest.approx(sheet.bodies.volumes_mm3(), rel=1e-12)
 
 
 @settings(max_examples=20)

@@ -13,12 +13,15 @@ from fab.clearance import inspect_thick
 from fab.cli import main
 from fab.described import shipped_of
 from fab.errors import InvalidJob, Severity
+from fab.hinges import HingeSettings
 from fab.joining import joined_mesh
 from fab.materials import load_machine, load_material
+from fab.panels import PanelSettings
 from fab.printability import bed_area_mm2, inspect_print, inspect_webs, panel_widths_mm
 from fab.printers import load_print_material, load_printer
 from fab.shipped import shipped
 from fab.states import flat_panels
+from fab.thick import thicken
 
 PRINTERS, PRINTED = shipped_of("printer"), shipped_of("print")
 
@@ -131,6 +134,19 @@ def test_a_gap_below_the_printers_is_told():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.3)
     assert not only(told(sheet, PRINTER, least_gap_mm=0.3), "gap-too-narrow")
     assert only(told(sheet, PRINTER, least_gap_mm=0.301), "gap-too-narrow")
+
+
+def test_a_play_below_the_printers_gap_is_told():
+    panel = PanelSettings(thickness_mm=3.2, axis="middle")
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0, play_mm=0.28)
+    sheet, _ = thicken(book(0.0), panel, hinge)
+    assert len(sheet.held) == 1
+    assert not only(told(sheet, PRINTER, least_gap_mm=0.28), "gap-too-narrow")
+    findings = told(sheet, PRINTER, least_gap_mm=0.281)
+    (finding,) = [finding for finding in findings if finding.code == "gap-too-narrow"]
+    assert finding.creases == tuple(sheet.held.tolist())
+    assert "knuckles have a play that is narrower" in finding.text
+    assert "the least is 0.28 mm: they fuse. Raise play_mm" in finding.text
 
 
 def test_webs_are_at_least_one_layer_and_whole_layers():
