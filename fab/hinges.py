@@ -76,7 +76,8 @@ class HingeSettings(Settings):
         default=0.25,
         ge=0.01,
         le=100,
-        description="gap around a pin, between barrels, and from barrels to the other panel",
+        description="gap around a pin, between barrels, and from barrels to the other panel. "
+        "The least gap of the printer where left out",
     )
     wall_mm: float = Field(
         default=0.6, ge=0.01, le=1000, description="least wall around the hole of a barrel or panel"

@@ -52,15 +52,19 @@ class ThickSettings(Settings):
     def printed(self, print_with: PrintWith) -> Self:
         """The same, with what they leave to the printer and its material.
 
-        That is how far webs may stretch, and the margin of plates.
+        That is how far webs may stretch, the play of knuckles, and the margin of plates.
         """
         printer, material = print_with.printer, print_with.material
-        hinges, plates = self.hinges, self.plates
+        plates, given = self.plates, self.hinges.model_fields_set
+        fitting: dict[str, float] = {}
         if material is not None and material.strain_max is not None:
-            given = {"strain_max": material.strain_max, **hinges.model_dump(exclude_unset=True)}
-            hinges = hinges.model_copy(update={"strain_max": given["strain_max"]})
-        if printer is not None and plates.margin_mm is None:
-            plates = plates.model_copy(update={"margin_mm": printer.margin_mm})
+            fitting["strain_max"] = material.strain_max
+        if printer is not None:
+            fitting["play_mm"] = printer.least_gap_mm
+            if plates.margin_mm is None:
+                plates = plates.model_copy(update={"margin_mm": printer.margin_mm})
+        left = {key: value for key, value in fitting.items() if key not in given}
+        hinges = self.hinges.model_copy(update=left)
         return self.model_copy(update={"hinges": hinges, "plates": plates})
 
     def print_with(self, folder: Path = Path()) -> PrintWith:

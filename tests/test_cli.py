@@ -236,6 +236,19 @@ def test_thicken_lengthens_webs_for_the_material(here):
     assert "hinge-strains" in result.output
 
 
+def test_thicken_leaves_as_much_play_as_the_printer_needs(here):
+    words = ["--set", "panels.axis=middle", "--set", "panels.thickness_mm=4.0", "--only", "stl"]
+    words += ["--set", "panels.fold_limit_deg=60.0", "--set", "hinges.kind=knuckle"]
+    words += ["--width-mm", "200", "--printer", "prusa_mk4s"]
+    plays = []
+    for own in ([], ["--set", "hinges.play_mm=0.25"]):
+        result = run("thicken", PATTERNS / "square_twist.fold", *words, *own)
+        report = json.loads((here / "square_twist_thick_report.json").read_text())
+        plays.append(report["settings"]["hinges"]["play_mm"])
+        assert ("gap-too-narrow" in result.output) == bool(own)
+    assert plays == [0.3, 0.25]
+
+
 def test_thicken_suggests_a_size_for_a_file(here):
     file = PATTERNS / "square_twist.fold"
     words = ["thicken", file, "--set", "panels.fold_limit_deg=150.0", "--suggest"]
