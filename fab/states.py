@@ -11,12 +11,15 @@ import numpy as np
 from fab.bodies import Bodies
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern
 from fab.errors import Finding, Severity
-from fab.framework import framework
+from fab.framework import Framework, framework
 from fab.poses import face_poses
+from fab.rigid import rigid_coords
+from fab.rotations import turner
 from fab.simulation import simulated
 from fab.stiffness import FoldSettings
 from fab.thick import ThickSheet
 from fab.verdict import target_form
+from fab.way import hinges_around
 from solver.errors import require_count
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
@@ -165,23 +168,39 @@ def folded_states(
     folding, verdict, _ = simulated(
         pattern, FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS), progress=progress
     )
-    sheet, size_mm = folding.frame.sheet.pattern, folding.frame.size_mm
-
-    def add(coords: FloatArray, stage: Stage) -> None:
-        state = panels_at(pattern, coords * size_mm, stage, 1.0, sheet)
-        on_the_way = stage != Stage.TARGET
-        states.append(replace(state, share=_share(pattern, state)) if on_the_way else state)
-
-    for state in folding.states[1:-1]:
-        add(state.coords, Stage.BETWEEN)
-    target = target_form(folding.frame)
+    frame = folding.frame
+    target = target_form(frame)
     if target is None and verdict.reached:
         target = folding.states[-1].coords
-    if target is None:
-        add(folding.states[-1].coords, Stage.BETWEEN)
-    else:
-        add(target, Stage.TARGET)
+    way = folding.states[1:] if target is None else folding.states[1:-1]
+    states += _between(pattern, frame, [state.coords for state in way])
+    if target is not None:
+        coords = target * frame.size_mm
+        states.append(panels_at(pattern, coords, Stage.TARGET, 1.0, frame.sheet.pattern))
     return states, [] if verdict.reached else [_unreached(target is not None)]
+
+
+def _between(
+    pattern: CreasePattern, frame: Framework, way: Sequence[FloatArray]
+) -> list[FoldedState]:
+    """States on the way, of vertices over the framework's size, shapes (nv, 3).
+
+    Where the simulation bends faces, the state nearby is taken in which none is, if there is one.
+    """
+    closure, turning = hinges_around(frame), turner(frame)
+
+    def state(coords: FloatArray) -> FoldedState:
+        given = coords * frame.size_mm
+        made = panels_at(pattern, given, Stage.BETWEEN, 1.0, frame.sheet.pattern)
+        return replace(made, share=_share(pattern, made))
+
+    out = []
+    for coords in way:
+        bent = state(coords)
+        flat = rigid_coords(frame, closure, turning, coords)
+        rigid = bent if flat is None else state(flat)
+        out.append(rigid if rigid.bend_mm < bent.bend_mm else bent)
+    return out
 
 
 def _share(pattern: CreasePattern, state: FoldedState) -> float:
