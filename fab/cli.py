@@ -591,11 +591,17 @@ def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
 def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _Interrupts) -> None:
     """The feasible window of scale and thickness of a sheet."""
     from fab.collisions import collisions
+    from fab.kinematics import unknown_angles
+    from fab.states import folded_states, with_free_angles
     from fab.window import feasible_window
 
     panels, hinges = settings.panels, settings.hinges
     with _progress(interrupts) as progress:
-        clear = collisions(pattern, panels, hinges, progress)
+        states = None
+        if unknown_angles(pattern).any():
+            states, _ = folded_states(pattern, progress=progress)
+            pattern = with_free_angles(pattern, states)
+        clear = collisions(pattern, panels, hinges, progress, states)
         window = feasible_window(pattern, panels, hinges, clear)
     for line in window.lines():
         _say(line)

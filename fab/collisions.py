@@ -6,7 +6,7 @@ overlap at one thickness are all that can overlap below it, and the bound is fou
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -28,23 +28,27 @@ __all__ = ["clear_up_to", "collisions"]
 
 
 def collisions(
-    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings, progress: Progress = silent
+    pattern: CreasePattern,
+    panel: PanelSettings,
+    hinge: HingeSettings,
+    progress: Progress = silent,
+    states: Sequence[FoldedState] | None = None,
 ) -> Callable[[float], float | None]:
     """As `clear_up_to` at the target, for any thickness to begin with, in mm.
 
     The target is the folded form of the pattern or of its angles; where fold_limit_deg stops the
     sheet on its way, or there is no such form, the last state of the simulated fold that is within
-    the limit. No state is looked for before the answer is asked for.
+    the limit. No state is looked for before the answer is asked for; states : where they are known.
     """
 
     @cache
     def target() -> FoldedState:
         faces, limit = np.arange(pattern.face_count), panel.fold_limit_deg
-        known = known_target(pattern)
+        known = known_target(pattern) if states is None else None
         if known is not None and not len(states_within(pattern, faces, [known], limit)[1]):
             return known
-        states, _ = folded_states(pattern, progress=progress)
-        return states_within(pattern, faces, states, limit)[0][-1]
+        every = folded_states(pattern, progress=progress)[0] if states is None else states
+        return states_within(pattern, faces, every, limit)[0][-1]
 
     def clear(thickness_mm: float) -> float | None:
         given = panel.model_copy(update={"thickness_mm": thickness_mm})

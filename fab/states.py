@@ -12,6 +12,7 @@ from fab.bodies import Bodies
 from fab.crease import FLAT_ANGLE_DEG, CreasePattern
 from fab.errors import Finding, Severity
 from fab.framework import Framework, framework
+from fab.kinematics import unknown_angles
 from fab.poses import face_poses
 from fab.rigid import rigid_coords
 from fab.rotations import turner
@@ -32,8 +33,17 @@ __all__ = [
     "panels_at",
     "posed_bodies",
     "states_within",
+    "with_free_angles",
 ]
 
+# Sheets that fold by less of their angles with all faces flat do not fold.
+_LOCKED_SHARE = 0.01
+_LOCKED = Finding(
+    "panels-lock",
+    Severity.WARNING,
+    "with flat faces the sheet does not leave the flat state: paper bends its way to the target, "
+    "rigid panels reach it only if their hinges give. Choose a pattern that folds with flat faces.",
+)
 # Creases so much softer than faces leave these as good as plane wherever the pattern lets them be.
 _CREASE_STIFFNESS = 0.01
 # Fold angles of states are known to this.
@@ -173,11 +183,27 @@ def folded_states(
     if target is None and verdict.reached:
         target = folding.states[-1].coords
     way = folding.states[1:] if target is None else folding.states[1:-1]
-    states += _between(pattern, frame, [state.coords for state in way])
+    between = _between(pattern, frame, [state.coords for state in way])
+    states += between
     if target is not None:
         coords = target * frame.size_mm
         states.append(panels_at(pattern, coords, Stage.TARGET, 1.0, frame.sheet.pattern))
-    return states, [] if verdict.reached else [_unreached(target is not None)]
+    findings = [] if verdict.reached else [_unreached(target is not None)]
+    if between and max(state.share for state in between) < _LOCKED_SHARE:
+        findings.append(_LOCKED)
+    return states, findings
+
+
+def with_free_angles(pattern: CreasePattern, states: Sequence[FoldedState]) -> CreasePattern:
+    """The pattern, its creases of unknown angle with the largest that they have in any state."""
+    free = np.flatnonzero(unknown_angles(pattern) & (pattern.edges_assignment != "C"))
+    if not len(free):
+        return pattern
+    angles = np.stack([state.angles_deg[free] for state in states])
+    largest = np.take_along_axis(angles, np.abs(angles).argmax(axis=0)[None], axis=0)[0]
+    known = pattern.edges_foldAngle.copy()
+    known[free] = largest
+    return replace(pattern, edges_foldAngle=known)
 
 
 def _between(

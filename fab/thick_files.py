@@ -20,7 +20,7 @@ from fab.crease import CreasePattern
 from fab.errors import Finding, Severity
 from fab.make import Made, box_mm, with_report
 from fab.plates import Plates, make_plates
-from fab.states import folded_states
+from fab.states import folded_states, with_free_angles
 from fab.stl import body_stls, inspect_stl, stl_bytes
 from fab.thick import thicken
 from fab.thick_settings import UNKNOWN, PrintWith, ThickSettings
@@ -82,15 +82,17 @@ def thick_files(
 
     settings = settings.printed(print_with)
     printer = print_with.printer
+    with clock.stage("states"):
+        states, findings = folded_states(pattern, progress=clock.progress)
     with clock.stage("panels"):
-        sheet, found = thicken(pattern, settings.panels, settings.hinges)
-    findings = list(found)
+        free = with_free_angles(pattern, states)
+        sheet, found = thicken(free, settings.panels, settings.hinges)
+    findings += found
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
-        states, unknown = folded_states(pattern, progress=clock.progress)
         figures, found = inspect_thick(
             sheet,
             joined,
@@ -103,7 +105,7 @@ def thick_files(
         # what has no hinges is loose by intent
         apart = set(settings.hinges.kinds) == {"none"}
         told = [finding for finding in found if not (apart and finding.code == "panels-loose")]
-        findings += [*unknown, *told]
+        findings += told
     plates: Plates | None = None
     if printer is not None and _divisible(settings, findings):
         with clock.stage("plates") as step:

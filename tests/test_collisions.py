@@ -53,9 +53,8 @@ def overlaps(pattern, panel, hinge, state):
     [
         ("miura", 100.0, 180.0, "bottom", "none", 3.0),
         ("miura", 100.0, 180.0, "middle", "web", 3.0),
-        ("resch", 200.0, 140.0, "bottom", "film", 1.6),
-        ("resch", 200.0, 120.0, "middle", "none", 3.0),
-        ("square_twist", 150.0, 60.0, "bottom", "none", 20.0),
+        ("resch", 200.0, 60.0, "bottom", "none", 3.0),
+        ("resch", 200.0, 60.0, "middle", "web", 6.0),
     ],
 )
 def test_the_named_thickness_is_where_panels_begin_to_overlap(
