@@ -56,7 +56,8 @@ class SolidFigures:
 
     Attributes
     ----------
-    panels, hinges : number of solids; bodies : number of pieces after joining.
+    panels : number of them; hinges : creases at which two of them hold together, by any hinge.
+    bodies : number of pieces after joining.
     volume_mm3, flexible_mm3 : of all solids together, and of those that bend.
     mass_g : of all solids in the print material; None without one.
     bed_area_mm2 : of the sides that lie on the printer's bed.
@@ -136,7 +137,7 @@ def _figures(
     count = len(sheet.panels.bodies)
     return SolidFigures(
         count,
-        len(sheet.bodies) - count,
+        len(sheet.held),
         parts,
         total,
         float(volumes[sheet.flexible].sum()),

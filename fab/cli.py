@@ -164,8 +164,7 @@ def run(
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
     with _answers() as interrupts:
         from fab.job import load_job
-        from fab.make import Format, grown_pattern, left_over, make, require_folder
-        from fab.thick_files import file_names
+        from fab.make import Format, file_names, grown_pattern, left_over, make, require_folder
 
         chosen = _formats(only, Format)
         loaded = load_job(job, changes)
@@ -305,9 +304,9 @@ def thicken(
     """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
     with _answers() as interrupts:
         from fab.crease import scaled
-        from fab.make import left_over, require_folder
+        from fab.make import file_names, left_over, require_folder
         from fab.pattern_file import read_pattern
-        from fab.thick_files import ORDINARY, ThickFormat, file_names, make_thick
+        from fab.thick_files import ORDINARY, ThickFormat, make_thick
         from fab.thick_settings import thick_settings
         from fab.titles import plain_title
 

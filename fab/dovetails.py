@@ -23,13 +23,12 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import shapely
-from pydantic import Field, model_validator
 
 from fab.bodies import Bodies, bodies_of
 from fab.carving import meshes, prism, section, solid
 from fab.errors import Finding, Severity
 from fab.hinges import crease_sides
-from fab.settings import Settings
+from fab.plate_settings import SIZES, JointSettings
 from fab.thick import ThickSheet
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray, IntArray
@@ -37,12 +36,8 @@ from solver.vectors import FloatArray, IntArray
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["Joint", "JointSettings", "depths_mm", "jointed", "make_joints"]
+__all__ = ["Joint", "depths_mm", "jointed", "make_joints"]
 
-# Tongues that find no room are tried at these shares of their width and depth.
-_SIZES = (1.0, 0.75, 0.5)
-# A tongue must not slide out by more than this share of its depth.
-_MOST_PLAY = 0.5
 # Places that are tried along a web.
 _PLACES = 201
 # Sides of a pin's hole.
@@ -53,56 +48,6 @@ _STEP_MM = 0.05
 # Cutters reach so far out of what they cut, in mm.
 _BEYOND_MM = 1.0
 _ROUNDING_MM = 1e-6
-
-
-class JointSettings(Settings):
-    """Joints between parts that are printed apart."""
-
-    joint: Literal["dovetail", "pin", "tape"] = Field(
-        default="dovetail",
-        description="dovetail: tongues that hold in the plane; pin: straps with a hole for a pin; "
-        "tape: none. What finds no room on a crease becomes a pin, and then tape",
-    )
-    fit_mm: float = Field(
-        default=0.1, ge=0.01, le=10, description="gap between a tongue and its pocket, all around"
-    )
-    tongue_mm: float | None = Field(
-        default=None,
-        ge=0.01,
-        le=1000,
-        description="height of the tongues, at least that of the web; the thickness of the panels "
-        "lets them pass through. Left out: half the thickness, or all of it where roof_mm would "
-        "not be left above half",
-    )
-    mouth_mm: float = Field(
-        default=6.0, ge=1, le=1000, description="width of a tongue where it begins"
-    )
-    depth_mm: float = Field(default=4.0, ge=0.1, le=1000, description="length of a tongue")
-    undercut_deg: float = Field(
-        default=15.0, ge=5, le=45, description="angle by which a tongue widens on both sides"
-    )
-    wall_mm: float = Field(
-        default=1.2, ge=0.1, le=1000, description="least wall between a pocket and what is beside"
-    )
-    roof_mm: float = Field(default=0.4, ge=0.05, le=1000, description="least wall above a pocket")
-    pin_mm: float = Field(
-        default=1.75, ge=0.1, le=100, description="thickness of a pin, such as filament"
-    )
-
-    @model_validator(mode="after")
-    def _holds(self) -> JointSettings:
-        if self.joint == "dovetail" and self.play_mm > _MOST_PLAY * _SIZES[-1] * self.depth_mm:
-            bound = _MOST_PLAY * _SIZES[-1] * self.depth_mm * np.sin(np.radians(self.undercut_deg))
-            raise ValueError(
-                f"fit_mm = {self.fit_mm:g} must be at most {bound:.4g}, so that tongues hold: "
-                "lower it, or raise undercut_deg or depth_mm"
-            )
-        return self
-
-    @property
-    def play_mm(self) -> float:
-        """How far a dovetail can slide along its length before it holds."""
-        return self.fit_mm / float(np.sin(np.radians(self.undercut_deg)))
 
 
 @dataclass(frozen=True)
@@ -233,7 +178,7 @@ def make_joints(
             (one, other, kind, size)
             for kind in _kinds(settings, levels)
             for one, other in ((tongue, pocket), (pocket, tongue))
-            for size in (_SIZES if kind == "dovetail" else _SIZES[:1])
+            for size in (SIZES if kind == "dovetail" else SIZES[:1])
         ]
         made = None
         if len(webs.get(edge, [])) == 1:
@@ -480,7 +425,7 @@ def _findings(
         if not edges:
             continue
         longest = max(edges, key=lambda edge: float(length[edge]))
-        size = _SIZES[-1] if settings.joint == "dovetail" else 1.0
+        size = SIZES[-1] if settings.joint == "dovetail" else 1.0
         plan = _plan(settings, settings.joint, size, 0.0, 0.0)
         needs = f"{plan.width:.4g} x {float(np.ptp(plan.pocket[:, 1])):.4g} mm"
         why = f"no room in its panels for a pocket of {needs} and walls of {settings.wall_mm:g} mm"

@@ -43,7 +43,9 @@ __all__ = [
     "Made",
     "Progress",
     "box_mm",
+    "file_names",
     "grown_pattern",
+    "left_over",
     "make",
     "require_folder",
     "with_report",
@@ -293,6 +295,11 @@ def _version() -> str:
         return version("quadfold")
     except PackageNotFoundError:
         return "not installed"
+
+
+def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
+    """What files of some formats are called, with plates or without."""
+    return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
 
 
 def left_over(files: Iterable[str], kind: re.Pattern[str], folder: Path) -> list[Path]:

@@ -13,16 +13,15 @@ from typing import Any
 
 import numpy as np
 import shapely
-from pydantic import Field
 
 from fab.bodies import Bodies, TriangleMesh
-from fab.dovetails import Joint, JointSettings, depths_mm, jointed, make_joints
+from fab.dovetails import Joint, depths_mm, jointed, make_joints
 from fab.errors import Finding
 from fab.joining import joined_mesh
 from fab.labels import piece_name
 from fab.nesting import Placements, nest
 from fab.partition import Sheet, assembly_order, extent, partition, upright
-from fab.settings import Settings
+from fab.plate_settings import PlateSettings
 from fab.tabs import outer_corners
 from fab.thick import ThickSheet
 from solver.errors import InvalidValue, require_positive
@@ -33,22 +32,7 @@ _MARGIN_MM = 5.0
 # Outlines are told on a grid, so that the sides of faces meet.
 _GRID_MM = 1e-6
 
-__all__ = ["Part", "PlateSettings", "Plates", "make_plates"]
-
-
-class PlateSettings(Settings):
-    """How parts lie on the printer's bed, and how they are joined."""
-
-    margin_mm: float | None = Field(
-        default=None,
-        ge=0,
-        le=1000,
-        description="kept free along the edges of the bed; where left out, that of the printer",
-    )
-    part_gap_mm: float = Field(
-        default=3.0, ge=0.1, le=1000, description="least distance of two parts on a plate"
-    )
-    joints: JointSettings = JointSettings()
+__all__ = ["Part", "Plates", "make_plates"]
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ crease pattern -> panels, hinges -> joined body -> checks -> STEP, STL, 3MF, PNG
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
@@ -26,7 +25,7 @@ from fab.thick import thicken
 from fab.thick_settings import UNKNOWN, PrintWith, ThickSettings
 from fab.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
 
-__all__ = ["ORDINARY", "ThickFiles", "ThickFormat", "file_names", "make_thick", "thick_files"]
+__all__ = ["ORDINARY", "ThickFiles", "ThickFormat", "make_thick", "thick_files"]
 
 
 class ThickFormat(StrEnum):
@@ -139,11 +138,6 @@ def thick_files(
             data[".png"] = thick_png_bytes(sheet, name, folded)
     guide = None if plates is None else plates.guide()
     return ThickFiles(data, guide, figures, box_mm(joined.vertices_coords), tuple(findings))
-
-
-def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
-    """What files of some formats are called, with plates or without."""
-    return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
 
 
 def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from fab.hinges import HingeSettings, heights_over_axes_mm
 from fab.panels import PanelSettings
-from fab.plates import PlateSettings
+from fab.plate_settings import PlateSettings
 from fab.printers import Printer, PrintMaterial, load_print_material, load_printer
 from fab.settings import Settings, apply_change, checked
 

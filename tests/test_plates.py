@@ -15,14 +15,15 @@ from manifold3d import Manifold
 from pydantic import ValidationError
 
 from fab.carving import meshes, prism, solid
-from fab.dovetails import JointSettings, jointed, make_joints
+from fab.dovetails import jointed, make_joints
 from fab.hinges import HingeSettings
 from fab.job import load_job
 from fab.joining import manifold_of, manifolds
 from fab.make import grown_pattern
 from fab.panels import PanelSettings
 from fab.pattern_file import read_pattern
-from fab.plates import PlateSettings, make_plates
+from fab.plate_settings import JointSettings, PlateSettings
+from fab.plates import make_plates
 from fab.thick import thicken
 from solver.errors import InvalidValue
 

@@ -37,10 +37,10 @@ CASES = {
     "curved_fold": (0.4, "web", "bottom", 1000, 1890, 2),
     "surface_fit": (0.8, "none", "bottom", 1760, 0, 2),
     "miura": (3.0, "web", "middle", 80, 142, 2),
-    "twisted_squares": (0.6, "film", "bottom", 52, 1, 2),
+    "twisted_squares": (0.6, "film", "bottom", 52, 87, 2),
     "waterbomb": (3.0, "web", "middle", 96, 130, 4),
-    "resch": (0.8, "film", "bottom", 128, 1, 2),
-    "square_twist": (3.0, "knuckle", "middle", 9, 0, 9),
+    "resch": (0.8, "film", "bottom", 128, 176, 2),
+    "square_twist": (3.0, "knuckle", "middle", 9, 4, 9),
 }
 
 
