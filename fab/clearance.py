@@ -102,8 +102,9 @@ def inspect_thick(
     solids = manifolds(sheet.bodies)
     findings = [*inspect_soundness(sheet, solids), *inspect_joined(sheet, joined)]
     parts = held_together(sheet)
-    if parts > 1:
-        findings.append(_loose(parts))
+    pieces = len(np.unique(sheet.pattern.faces_piece[sheet.panels.faces]))
+    if parts > pieces:
+        findings.append(_loose(parts, pieces))
     reached, beyond = states_within(sheet.pattern, sheet.panels.faces, states, limit_deg)
     if len(beyond):
         findings.append(_blocked(states, reached, beyond, limit_deg))
@@ -150,11 +151,11 @@ def _figures(
     )
 
 
-def _loose(parts: int) -> Finding:
+def _loose(parts: int, pieces: int) -> Finding:
     return Finding(
         "panels-loose",
         Severity.ERROR,
-        f"The panels are joined into {parts} bodies, not 1: some have no hinge. "
+        f"The panels are joined into {parts} bodies, not {pieces}: some have no hinge. "
         "Lower gap_mm or relief_mm, or enlarge the sheet.",
     )
 
@@ -166,15 +167,15 @@ def _blocked(
     limit_deg: float,
 ) -> Finding:
     share = reached[-1].share if reached else 0.0
+    following = float(np.abs(states[len(reached)].angles_deg[beyond]).max())
     angle = float(np.abs(states[-1].angles_deg[beyond]).max())
     return Finding(
         "fold-blocked",
         Severity.WARNING,
         f"panels fold to {share:.0%} of the target, checked up to there: beyond, {len(beyond)} "
-        f"creases fold over fold_limit_deg = {limit_deg:g} degrees (at the end {angle:.4g}). Raise "
-        "fold_limit_deg where the panels allow it, or give a pattern that folds less.".replace(
-            "%", " %"
-        ),
+        f"creases fold over fold_limit_deg = {limit_deg:g} degrees ({following:.4g} in the next "
+        f"state that is known, {angle:.4g} at the end). Raise fold_limit_deg where the panels "
+        "allow it, or give a pattern that folds less.".replace("%", " %"),
         creases=tuple(beyond[:20].tolist()),
     )
 

@@ -12,6 +12,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from fab.development import Development
 from fab.errors import InvalidJob
@@ -76,6 +78,15 @@ class CreasePattern:
     def edges(self) -> Edges:
         """Edges with the faces beside them, as the solver names them."""
         return Edges(self.edges_vertices, self.edges_faces)
+
+    @cached_property
+    def faces_piece(self) -> IntArray:
+        """The piece of the sheet that each face is of, over all edges but cuts, shape (nf,)."""
+        joined = (self.edges_faces[:, 1] >= 0) & (self.edges_assignment != "C")
+        one, two = self.edges_faces[joined].T
+        shape = (self.face_count, self.face_count)
+        graph = coo_array((np.ones(len(one)), (one, two)), shape=shape)
+        return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
         """For each number n of corners: the faces that have it, and their corners (nf', n)."""

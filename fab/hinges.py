@@ -38,6 +38,8 @@ HingeKind: TypeAlias = Literal["web", "knuckle", "film", "none"]
 # Pins and holes are printed as prisms with so many sides; pins lie within their circle and holes
 # around it, so that they turn with all of their play.
 ROUND_SIDES = 24
+# A lower step from a web to its panel is none: it is lost in single precision.
+_LEAST_STEP_MM = 0.005
 # Barrels have so many sides: one lies on the bed and those beside it rise at 45 degrees.
 BARREL_SIDES = 8
 
@@ -125,10 +127,10 @@ def heights_over_axes_mm(panel: PanelSettings, hinge: HingeSettings) -> tuple[fl
             f"panels.axis = {panel.axis} with hinges.kind = film: the axes lie in the film. Leave "
             "panels.axis out"
         )
-    if "web" in kinds and hinge.web_mm >= thickness:
+    if "web" in kinds and hinge.web_mm > thickness - _LEAST_STEP_MM:
         raise InvalidJob(
             f"hinges.web_mm = {hinge.web_mm:g} must be below panels.thickness_mm = "
-            f"{thickness:g}: a web is thinner than its panels"
+            f"{thickness:g}, by {_LEAST_STEP_MM:g} at least: a web is thinner than its panels"
         )
     if "web" in kinds and not low <= 0 <= high:
         raise InvalidJob(

@@ -12,7 +12,7 @@ from solver.vectors import IntArray
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["joined_mesh", "manifold_of", "manifolds"]
+__all__ = ["joined_mesh", "manifold_of", "manifolds", "told_apart_mm"]
 
 
 def manifold_of(mesh: TriangleMesh) -> Manifold:
@@ -38,7 +38,7 @@ def joined_mesh(bodies: Bodies) -> TriangleMesh:
 
     whole = Manifold.batch_boolean(manifolds(bodies), OpType.Add)
     # as an original, it forgets between which of the bodies its edges ran
-    mesh = whole.as_original().simplify(_told_apart_mm(bodies)).to_mesh64()
+    mesh = whole.as_original().simplify(told_apart_mm(bodies)).to_mesh64()
     coords = np.array(mesh.vert_properties[:, :3], np.float64)
     coords[:, 2] -= coords[:, 2].min(initial=0.0)
     triangles = np.asarray(mesh.tri_verts, np.int64)
@@ -46,7 +46,7 @@ def joined_mesh(bodies: Bodies) -> TriangleMesh:
     return TriangleMesh(coords, triangles, plane)
 
 
-def _told_apart_mm(bodies: Bodies) -> float:
+def told_apart_mm(bodies: Bodies) -> float:
     """A distance that single precision resolves everywhere in the bodies, and no one can print."""
     reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
     return max(1e-4, 2 * reach * float(np.finfo(np.float32).eps))

@@ -179,6 +179,9 @@ def check_pairs(sheet: ThickSheet, those: ThickBodies, state: FoldedState) -> Pa
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
     near = near_pairs(bodies, least)
+    if state.stage != Stage.FLAT:  # pieces of a sheet have no common place when folded
+        piece = sheet.pattern.faces_piece[moving]
+        near = near[piece[near[:, 0]] == piece[near[:, 1]]]
     near = near[~_may_touch(those, near) | _boxes_meet(bodies, near)]
     pairs, mate = _pairs(those, near)
     one, two = pairs.T

@@ -125,8 +125,8 @@ def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
                 "print-too-large",
                 Severity.ERROR,
                 f"the flat print needs {long:.4g} x {short:.4g} mm, the printer has {room[1]:g} x "
-                f"{room[0]:g} within its margins. Split it over several plates, or scale it to "
-                f"{min(room / boxes[:, best]):.3g} of its size at most.",
+                f"{room[0]:g} within its margins. Scale it to {min(room / boxes[:, best]):.3g} of "
+                "its size at most, or choose web hinges: such sheets are printed in parts.",
             )
         )
     height = float(np.ptp(coords[:, 2]))

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+import numpy as np
+
 from fab.bodies import TriangleMesh, bodies_of
 from fab.clearance import SolidFigures, inspect_thick
 from fab.clock import Clock, Progress, silent
 from fab.crease import CreasePattern
-from fab.errors import Finding, Severity
+from fab.errors import Finding, InvalidJob, Severity
 from fab.make import Made, box_mm, with_report
 from fab.plates import Plates, make_plates
 from fab.states import folded_states, with_free_angles
@@ -75,8 +77,11 @@ def thick_files(
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
     name : what files and pictures call it.
+
+    Raises `InvalidJob` for sheets so large that single precision does not tell their bottom from
+    their top.
     """
-    from fab.joining import joined_mesh
+    from fab.joining import joined_mesh, told_apart_mm
     from fab.step import step_bytes
 
     settings = settings.printed(print_with)
@@ -89,6 +94,14 @@ def thick_files(
     findings += found
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
+    thickness, nearest = settings.panels.thickness_mm, told_apart_mm(sheet.bodies)
+    if thickness <= nearest:
+        width = float(np.ptp(pattern.vertices_coords, axis=0).max())
+        raise InvalidJob(
+            f"a flat sheet of {width:.4g} mm with panels.thickness_mm = {thickness:g}: STL and 3MF "
+            f"tell nothing apart that is nearer than {nearest:.4g} mm there, and the thickness "
+            "must be more. Make the sheet smaller, or raise the thickness"
+        )
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):

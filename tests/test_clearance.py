@@ -467,3 +467,40 @@ def test_planes_between_boxes_are_exact():
     assert near_pairs(bodies, 0.4).tolist() == [[0, 2], [1, 2]]
     assert near_pairs(bodies, 0.6).tolist() == [[0, 1], [0, 2], [1, 2]]
     assert near_pairs(boxes([], []), 1.0).shape == (0, 2)
+
+
+def two_pieces(apart_mm: float) -> CreasePattern:
+    """Two books beside each other."""
+    one = book(90.0)
+    corners = np.concatenate([one.faces_vertices, one.faces_vertices + 6])
+    offsets = np.array([0, 4, 8, 12, 16])
+    edges = edges_of(corners, offsets)
+    angle = np.where(edges.edges_faces[:, 1] >= 0, 90.0, 0.0)
+    return CreasePattern(
+        np.concatenate(
+            [one.vertices_coords, one.vertices_coords + np.array([0, SIDE_MM + apart_mm])]
+        ),
+        edges.edges_vertices,
+        edges.edges_faces,
+        assignments(angle, edges),
+        angle,
+        corners,
+        offsets,
+        # both pieces in one place, as no one folds them
+        np.concatenate([one.folded_coords, one.folded_coords]),
+    )
+
+
+def test_pieces_of_a_sheet_are_not_loose_and_meet_only_when_flat():
+    pattern = two_pieces(3.0)
+    assert pattern.faces_piece.tolist() == [0, 0, 1, 1]
+    target = panels_at(pattern, pattern.folded_coords, Stage.TARGET, 1.0)
+    sheet, _ = thicken(pattern, PanelSettings(), HingeSettings())
+    joined = joined_mesh(sheet.joining)
+    figures, findings = inspect_thick(sheet, joined, [flat_panels(pattern), target])
+    assert figures.bodies == 2
+    assert findings == []
+    near = two_pieces(-0.5)  # over each other
+    sheet, _ = thicken(near, PanelSettings(), HingeSettings())
+    _, findings = inspect_thick(sheet, joined_mesh(sheet.joining), [flat_panels(near)])
+    assert "solids-overlap" in codes(findings)

@@ -87,6 +87,7 @@ def test_errors_in_the_report_give_exit_code_1_and_all_files(here):
         ["thicken", PATTERNS / "box.fold", "--material", "card_300gsm"],
         ["thicken", PATTERNS / "box.fold", "--only", "dxf"],
         ["thicken", PATTERNS / "box.fold", "--width-mm", "-5"],
+        ["thicken", PATTERNS / "miura.fold", "--width-mm", "3e7", "--only", "stl"],
         ["thicken", PATTERNS / "box.fold", "--width-mm", "5", "--scale", "2"],
         ["check", "missing.fold"],
         ["check", TEMPLATES / "miura.toml"],
