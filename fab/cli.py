@@ -8,22 +8,18 @@ from __future__ import annotations
 
 import difflib
 import math
-import signal
 import sys
-import threading
 import tomllib
-import warnings
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
 from enum import StrEnum
 from pathlib import Path
-from types import FrameType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from fab.console import Interrupts, answers, progress_bar, say, tell, tell_left
 from fab.errors import Finding, InvalidFile, InvalidJob, Severity
-from solver.errors import InvalidValue, OrigamiError
+from solver.errors import InvalidValue
 
 if TYPE_CHECKING:
     from fab.crease import CreasePattern
@@ -32,76 +28,6 @@ if TYPE_CHECKING:
     from fab.thick_settings import ThickSettings
 
 __all__ = ["main"]
-
-
-@contextmanager
-def _answers() -> Iterator[_Interrupts]:
-    """Turn expected errors into one message and exit code 2, interrupts into 130."""
-    interrupts = _Interrupts()
-    try:
-        with warnings.catch_warnings(), interrupts:
-            # extreme numbers overflow on the way to the error that names them
-            warnings.simplefilter("ignore", RuntimeWarning)
-            yield interrupts
-    except BaseException as error:
-        # libraries turn an interrupt during their import into errors of their own
-        if interrupts.came or isinstance(error, KeyboardInterrupt):
-            _say("quadfold: interrupted; no half-written file was left.", error=True)
-            sys.exit(130)
-        if isinstance(error, OrigamiError):
-            _say(f"quadfold: {error}", error=True)
-            sys.exit(2)
-        if isinstance(error, MemoryError):
-            _say("quadfold: out of memory. Ask for fewer quads or dashes.", error=True)
-            sys.exit(2)
-        raise
-
-
-class _Interrupts:
-    """Notes SIGINT and SIGTERM: some libraries swallow the exception that they raise."""
-
-    def __init__(self) -> None:
-        self.came = False
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> None:
-        if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._note)
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    def _note(self, _: int, frame: FrameType | None) -> None:
-        self.came = True
-        if not _loads(frame):
-            raise KeyboardInterrupt
-
-    def check(self) -> None:
-        """Raise again what a library may have swallowed."""
-        if self.came:
-            raise KeyboardInterrupt
-
-
-def _loads(frame: FrameType | None) -> bool:
-    """Whether a library is being imported, which an exception would leave half done."""
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
-
-
-def _say(text: str, *, error: bool = False) -> None:
-    """Print a line; a closed pipe or full disk behind stdout does not change what was made.
-
-    What the terminal cannot show, such as bytes of a file name that are no text, is escaped.
-    """
-    stream = sys.stderr if error else sys.stdout
-    encoding = getattr(stream, "encoding", None) or "utf-8"
-    with suppress(OSError):
-        click.echo(text.encode(encoding, "backslashreplace").decode(encoding), err=error)
 
 
 _OUT = click.option(
@@ -162,7 +88,7 @@ def run(
     suggest: bool,
 ) -> None:
     """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
-    with _answers() as interrupts:
+    with answers() as interrupts:
         from fab.job import load_job
         from fab.make import Format, file_names, grown_pattern, left_over, make, require_folder
 
@@ -170,26 +96,26 @@ def run(
         loaded = load_job(job, changes)
         formats = chosen or [Format(name) for name in loaded.outputs]
         if suggest:
-            with _progress(interrupts) as progress:
+            with progress_bar(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
             _say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)), interrupts)
-            _tell(findings)
+            tell(findings)
             return
         require_folder(out)
-        with _progress(interrupts) as progress:
+        with progress_bar(interrupts) as progress:
             made = make(loaded, formats, progress)
         interrupts.check()
         _write(made, out, dry_run)
         report = made.report
-        _say(
+        say(
             f"{report['counts']['faces']} faces; planarity {report['planarity_max']:.1e}, "
             f"developability {report['developability_max_rad']:.1e} rad, "
             f"isometry {report['isometry_max_rel']:.1e}"
         )
         if report["growth"]["coverage"] is not None:
-            _say(f"{report['growth']['coverage']:.1%} of the surface lies under the sheet")
-        _tell_left(left_over(made.files, file_names(loaded.name, formats), out))
-        _tell(made.findings)
+            say(f"{report['growth']['coverage']:.1%} of the surface lies under the sheet")
+        tell_left(left_over(made.files, file_names(loaded.name, formats), out))
+        tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 
@@ -221,7 +147,7 @@ def fabricate(
     dry_run: bool,
 ) -> None:
     """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
-    with _answers() as interrupts:
+    with answers() as interrupts:
         from fab.crease import scaled
         from fab.drawings import SheetFormat
         from fab.fabricate import fabricate, sheet_names
@@ -237,7 +163,7 @@ def fabricate(
         pattern, findings = read_pattern(file)
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         name = plain_title(file.stem)
-        with _progress(interrupts) as progress:
+        with progress_bar(interrupts) as progress:
             made = fabricate(
                 pattern,
                 name,
@@ -252,16 +178,16 @@ def fabricate(
         interrupts.check()
         _write(made, out, dry_run)
         report = made.report
-        _say(
+        say(
             f"{len(report['pieces'])} pieces, {len(report['glue_up'])} seams, "
             f"{len(report['sheets'])} sheets of {cutter.bed_mm[0]:g} x {cutter.bed_mm[1]:g} mm, "
             f"about {sum(sheet['minutes'] for sheet in report['sheets']):.1f} minutes"
         )
         if two_sided:
             others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
-            _say(report["sheets"][0]["turn"] + others)
-        _tell_left(left_over(made.files, sheet_names(name), out))
-        _tell(made.findings)
+            say(report["sheets"][0]["turn"] + others)
+        tell_left(left_over(made.files, sheet_names(name), out))
+        tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 
@@ -302,7 +228,7 @@ def thicken(
     suggest: bool,
 ) -> None:
     """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
-    with _answers() as interrupts:
+    with answers() as interrupts:
         from fab.crease import scaled
         from fab.make import file_names, left_over, require_folder
         from fab.pattern_file import read_pattern
@@ -319,10 +245,10 @@ def thicken(
         pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         if suggest:
             _say_window(pattern, settings.printed(print_with), interrupts)
-            _tell(findings)
+            tell(findings)
             return
         name = plain_title(file.stem)
-        with _progress(interrupts) as progress:
+        with progress_bar(interrupts) as progress:
             made = make_thick(
                 pattern,
                 name,
@@ -337,9 +263,9 @@ def thicken(
         solids = made.report["solids"]
         if solids is not None:
             size = " x ".join(f"{side:.4g}" for side in made.report["bounding_box_mm"]["print"])
-            _say(f"{solids['panels']} panels, {solids['hinges']} hinges, {size} mm")
-        _tell_left(left_over(made.files, file_names(f"{name}_thick", formats), out))
-        _tell(made.findings)
+            say(f"{solids['panels']} panels, {solids['hinges']} hinges, {size} mm")
+        tell_left(left_over(made.files, file_names(f"{name}_thick", formats), out))
+        tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 
@@ -360,14 +286,14 @@ def simulate(
     file: Path, out: Path, states: int | None, solver: str, only: str | None, dry_run: bool
 ) -> None:
     """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
-    with _answers() as interrupts:
+    with answers() as interrupts:
         from fab.make import require_folder
         from fab.simulate import SimulationFormat, simulate
         from fab.simulation import Solver
 
         formats = _formats(only, SimulationFormat) or list(SimulationFormat)
         require_folder(out)
-        with _progress(interrupts) as progress:
+        with progress_bar(interrupts) as progress:
             pattern, name, settings, findings = _to_simulate(file, states, progress)
             made = simulate(
                 pattern,
@@ -382,13 +308,13 @@ def simulate(
         _write(made, out, dry_run)
         verdict = made.report["verdict"]
         far = verdict["rmsd_rel"]
-        _say(
+        say(
             f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
             + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
             + f"creases by at most {verdict['angle_error_max_deg']:.1e} degrees, strain "
             f"{verdict['strain_max']:.1e} (on the way {verdict['peak_strain']:.1e})"
         )
-        _tell(made.findings)
+        tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 
@@ -422,7 +348,7 @@ def _to_simulate(
 @_ONLY_SHEETS
 def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
     """Make a test card that finds a machine's kerf and the best dashes for a material."""
-    with _answers():
+    with answers():
         from fab.coupon import coupon
         from fab.drawings import SheetFormat, drawing_files
         from fab.make import Made, require_folder
@@ -444,27 +370,27 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 @click.argument("kind", type=click.Choice(["materials", "machines"]))
 def shipped(kind: str) -> None:
     """List the shipped materials or machines, one line each."""
-    with _answers():
+    with answers():
         from fab.described import described
 
         listed = described("materials" if kind == "materials" else "machines")
         width = max(map(len, listed))
         wide = max(len(what) for what, _ in listed.values())
         for name, (what, description) in listed.items():
-            _say(f"{name:<{width}}  {what:<{wide}}  {description}")
+            say(f"{name:<{width}}  {what:<{wide}}  {description}")
 
 
 @main.command()
 def templates() -> None:
     """List the shipped jobs, one line each."""
-    with _answers():
+    with answers():
         from fab.shipped import shipped as known
 
         names = known("jobs")
         width = max(map(len, names))
         for name, path in names.items():
             description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            _say(f"{name:<{width}}  {description}")
+            say(f"{name:<{width}}  {description}")
 
 
 @main.command()
@@ -472,7 +398,7 @@ def templates() -> None:
 @click.option("--out", default=None, type=click.Path(path_type=Path), help="File to write.")
 def new(template: str, out: Path | None) -> None:
     """Copy a shipped job to a file of your own, to edit."""
-    with _answers():
+    with answers():
         from fab.shipped import shipped as files_of
 
         known = files_of("jobs")
@@ -490,7 +416,7 @@ def new(template: str, out: Path | None) -> None:
             raise InvalidJob(
                 f"{target}: cannot be written: {error.strerror}. Choose another --out."
             ) from error
-        _say(f"wrote {target}; make its files with: quadfold run {target} --out out")
+        say(f"wrote {target}; make its files with: quadfold run {target} --out out")
 
 
 @main.command()
@@ -501,7 +427,7 @@ def new(template: str, out: Path | None) -> None:
 @_STRICT
 def check(file: Path, tolerance: float, strict: bool) -> None:
     """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
-    with _answers():
+    with answers():
         from fab.crossing import crossing_faces
         from fab.inspection import (
             inspect_accuracy,
@@ -514,7 +440,7 @@ def check(file: Path, tolerance: float, strict: bool) -> None:
         if not math.isfinite(tolerance):
             raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
         pattern, repairs = read_pattern(file, strict=strict)
-        _tell(repairs)
+        tell(repairs)
         if pattern.folded_coords is None:
             raise InvalidFile(
                 f"{file}: no folded frame to measure. Add a frame of class foldedForm."
@@ -528,15 +454,15 @@ def check(file: Path, tolerance: float, strict: bool) -> None:
             pattern.folded_coords, pattern.faces_vertices, pattern.faces_offsets
         )
         counts = pattern.counts()
-        _say(f"vertices            {len(pattern.vertices_coords)}")
-        _say(f"faces               {pattern.face_count}")
-        _say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
-        _say(f"planarity           {accuracy.planarity_max:.3e}")
-        _say(f"developability      {accuracy.developability_max_rad:.3e} rad")
-        _say(f"isometry            {accuracy.isometry_max_rel:.3e}")
-        _say(f"crossings           {len(crossings)}")
+        say(f"vertices            {len(pattern.vertices_coords)}")
+        say(f"faces               {pattern.face_count}")
+        say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
+        say(f"planarity           {accuracy.planarity_max:.3e}")
+        say(f"developability      {accuracy.developability_max_rad:.3e} rad")
+        say(f"isometry            {accuracy.isometry_max_rel:.3e}")
+        say(f"crossings           {len(crossings)}")
         findings = inspect_accuracy(accuracy, tolerance) + angles + inspect_crossings(crossings)
-        _tell(findings)
+        tell(findings)
     sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
 
 
@@ -563,7 +489,7 @@ def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bo
 
     quadfold convert one.obj two.obj --out crane.fold   a flat and a folded mesh
     """
-    with _answers():
+    with answers():
         from fab.convert import convert, read_any
         from fab.make import require_folder
 
@@ -572,7 +498,7 @@ def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bo
         require_folder(target.parent)
         made = convert(read_any(sources, strict=strict), target)
         _write(made, target.parent, dry_run)
-        _tell(made.findings)
+        tell(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 
@@ -584,10 +510,10 @@ def _write(made: Made, folder: Path, dry_run: bool = False) -> None:
         write(made, folder)
     verb = "would write" if dry_run else "wrote"
     for name, data in made.files.items():
-        _say(f"{verb} {folder / name}  {len(data)} bytes")
+        say(f"{verb} {folder / name}  {len(data)} bytes")
 
 
-def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _Interrupts) -> None:
+def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: Interrupts) -> None:
     """The feasible window of scale and thickness of a sheet."""
     from fab.collisions import collisions
     from fab.kinematics import unknown_angles
@@ -595,7 +521,7 @@ def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _In
     from fab.window import feasible_window
 
     panels, hinges = settings.panels, settings.hinges
-    with _progress(interrupts) as progress:
+    with progress_bar(interrupts) as progress:
         states = None
         if unknown_angles(pattern).any():
             states, _ = folded_states(pattern, progress=progress)
@@ -603,22 +529,7 @@ def _say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: _In
         clear = collisions(pattern, panels, hinges, progress, states)
         window = feasible_window(pattern, panels, hinges, clear)
     for line in window.lines():
-        _say(line)
-
-
-def _tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; all of them stand in the report."""
-    for code in dict.fromkeys(finding.code for finding in findings):
-        alike = [finding for finding in findings if finding.code == code]
-        more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
-        _say(f"{alike[0].severity}: {code}: {alike[0].text}{more}", error=True)
-
-
-def _tell_left(left: Sequence[Path]) -> None:
-    """One line for files of the same name that were there before and were not made anew."""
-    if left:
-        more = f" and {len(left) - 1} more of this name are" if len(left) > 1 else " is"
-        _say(f"note: {left[0]}{more} from an earlier run", error=True)
+        say(line)
 
 
 Kind = TypeVar("Kind", bound=StrEnum)
@@ -637,29 +548,3 @@ def _formats(only: str | None, kinds: type[Kind]) -> list[Kind] | None:
             raise InvalidJob(f"--only {name!r} must be among {','.join(known)}.{hint}")
         chosen.append(kinds(name))
     return chosen
-
-
-@contextmanager
-def _progress(interrupts: _Interrupts) -> Iterator[Callable[[str, int, int], None]]:
-    """A bar on a terminal, nothing in a pipe; either way a place where interrupts are seen."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda *_: interrupts.check()
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    bar = Progress(
-        TextColumn("{task.description:<10}"),
-        BarColumn(),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
-    with bar:
-        task = bar.add_task("", total=1)
-
-        def show(stage: str, done: int, total: int) -> None:
-            interrupts.check()
-            bar.update(task, description=stage, completed=done, total=total)
-
-        yield show

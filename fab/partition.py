@@ -15,7 +15,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 import shapely
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from fab.crease import CreasePattern
 from fab.development import overlapping_faces
@@ -23,7 +23,7 @@ from fab.polygons import ring_areas
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Sheet", "assembly_order", "extent", "partition", "upright"]
+__all__ = ["Sheet", "extent", "partition", "upright"]
 
 # Rounding must not refuse a piece that is exactly as large as the bed.
 _SLACK_REL = 1e-9
@@ -267,23 +267,6 @@ def partition(sheet: Sheet, progress: Callable[[int, int], None] | None = None) 
         done += len(part)
     pieces = _evened(faces, _unpinched(faces, pieces))
     return sorted(pieces, key=lambda piece: int(piece[0]))
-
-
-def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Pieces in the order of assembling, outwards from the first, and the rank of each.
-
-    pairs : shape (n, 2), neighbours among `count` pieces; a piece is no neighbour of its own.
-    """
-    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    rank = np.full(count, -1)
-    order: list[int] = []
-    for first in range(count):
-        if rank[first] < 0:
-            reached = breadth_first_order(graph, first, directed=False, return_predecessors=False)
-            rank[reached] = len(order) + np.arange(len(reached))
-            order += reached.tolist()
-    return np.array(order), rank
 
 
 def _require_room(faces: _Faces, part: IntArray) -> None:

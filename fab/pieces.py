@@ -12,11 +12,12 @@ import numpy as np
 import shapely
 from pydantic import Field
 
+from fab.assembling import assembly_order
 from fab.closing import closing_edges
 from fab.crease import CreasePattern, face_normals
 from fab.errors import Finding, Severity
 from fab.labels import Label, fitted, highest, number_text, piece_name
-from fab.partition import Sheet, assembly_order, extent, partition, upright
+from fab.partition import Sheet, extent, partition, upright
 from fab.settings import Settings
 from fab.tabs import Banks, corner_angles, outer_corners, placed_tabs
 from solver.errors import InvalidValue, require_positive

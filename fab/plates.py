@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 import shapely
 
+from fab.assembling import assembly_order
 from fab.bodies import Bodies, TriangleMesh
 from fab.dovetails import Joint, depths_mm, jointed, make_joints
 from fab.errors import Finding
 from fab.joining import joined_mesh
 from fab.labels import piece_name
 from fab.nesting import Placements, nest
-from fab.partition import Sheet, assembly_order, extent, partition, upright
+from fab.partition import Sheet, extent, partition, upright
 from fab.plate_settings import PlateSettings
 from fab.tabs import outer_corners
 from fab.thick import ThickSheet

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flat_patterns import pattern_of
 from helpers import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.bodies import bodies_of, stacked
 from fab.clearance import inspect_thick
-from fab.crease import CreasePattern, assignments, crease_pattern
+from fab.crease import CreasePattern, crease_pattern
 from fab.development import develop
 from fab.errors import Severity
 from fab.hinges import HingeSettings
@@ -24,28 +25,21 @@ from fab.states import Stage, flat_panels, folded_states, panels_at
 from fab.thick import thicken
 from solver import Miura
 from solver.errors import InvalidValue
-from solver.mesh import edges_of
 
 SIDE_MM = 20.0
 WEBS = HingeSettings(web_mm=0.2, relief_mm=0.1)
 
 
+def creased(flat, faces, angle_deg: float) -> CreasePattern:
+    """Faces whose creases all fold by one angle, with the form that two halves at x = 0 have."""
+    pattern = pattern_of(flat, faces, "V" if angle_deg > 0 else "M", angle=abs(angle_deg))
+    return replace(pattern, folded_coords=folded(flat, angle_deg))
+
+
 def book(angle_deg: float) -> CreasePattern:
     """Two squares across a crease along y at x = 0, with its folded form."""
     flat = np.array([[0, 0], [0, 1], [1, 0], [1, 1], [-1, 0], [-1, 1]]) * SIDE_MM
-    corners, offsets = np.array([0, 2, 3, 1, 4, 0, 1, 5]), np.array([0, 4, 8])
-    edges = edges_of(corners, offsets)
-    angle = np.where(edges.edges_faces[:, 1] >= 0, angle_deg, 0.0)
-    return CreasePattern(
-        flat,
-        edges.edges_vertices,
-        edges.edges_faces,
-        assignments(angle, edges),
-        angle,
-        corners,
-        offsets,
-        folded(flat, angle_deg),
-    )
+    return creased(flat, [[0, 2, 3, 1], [4, 0, 1, 5]], angle_deg)
 
 
 def folded(flat, angle_deg):
@@ -205,19 +199,7 @@ def test_a_panel_in_a_wrong_pose_is_caught_and_named(miura):
 
 def test_panels_with_two_creases_in_common_are_checked_at_both():
     flat = np.array([[0, 0], [0, 0.5], [0, 1], [1, 0], [1, 1], [-1, 0], [-1, 1]]) * SIDE_MM
-    corners, offsets = np.array([0, 3, 4, 2, 1, 0, 1, 2, 6, 5]), np.array([0, 5, 10])
-    edges = edges_of(corners, offsets)
-    angle = np.where(edges.edges_faces[:, 1] >= 0, 60.0, 0.0)
-    pattern = CreasePattern(
-        flat,
-        edges.edges_vertices,
-        edges.edges_faces,
-        assignments(angle, edges),
-        angle,
-        corners,
-        offsets,
-        folded(flat, 60.0),
-    )
+    pattern = creased(flat, [[0, 3, 4, 2, 1], [0, 1, 2, 6, 5]], 60.0)
     sheet = solid(pattern, thickness_mm=2.0, gap_mm=0.5)
     figures, findings = inspected(sheet, [target(pattern)])
     assert findings == []
@@ -472,23 +454,11 @@ def test_planes_between_boxes_are_exact():
 def two_pieces(apart_mm: float) -> CreasePattern:
     """Two books beside each other."""
     one = book(90.0)
-    corners = np.concatenate([one.faces_vertices, one.faces_vertices + 6])
-    offsets = np.array([0, 4, 8, 12, 16])
-    edges = edges_of(corners, offsets)
-    angle = np.where(edges.edges_faces[:, 1] >= 0, 90.0, 0.0)
-    return CreasePattern(
-        np.concatenate(
-            [one.vertices_coords, one.vertices_coords + np.array([0, SIDE_MM + apart_mm])]
-        ),
-        edges.edges_vertices,
-        edges.edges_faces,
-        assignments(angle, edges),
-        angle,
-        corners,
-        offsets,
-        # both pieces in one place, as no one folds them
-        np.concatenate([one.folded_coords, one.folded_coords]),
-    )
+    beside = one.vertices_coords + np.array([0, SIDE_MM + apart_mm])
+    faces = [[0, 2, 3, 1], [4, 0, 1, 5], [6, 8, 9, 7], [10, 6, 7, 11]]
+    pattern = pattern_of(np.concatenate([one.vertices_coords, beside]), faces, "V")
+    # both pieces in one place, as no one folds them
+    return replace(pattern, folded_coords=np.concatenate([one.folded_coords] * 2))
 
 
 def test_pieces_of_a_sheet_are_not_loose_and_meet_only_when_flat():

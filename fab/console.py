@@ -1,0 +1,131 @@
+"""How does a run speak with the person at a terminal: errors, interrupts, findings, progress?"""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import click
+
+from fab.errors import Finding
+from solver.errors import OrigamiError
+
+__all__ = ["Interrupts", "answers", "progress_bar", "say", "tell", "tell_left"]
+
+
+@contextmanager
+def answers() -> Iterator[Interrupts]:
+    """Turn expected errors into one message and exit code 2, interrupts into 130."""
+    interrupts = Interrupts()
+    try:
+        with warnings.catch_warnings(), interrupts:
+            # extreme numbers overflow on the way to the error that names them
+            warnings.simplefilter("ignore", RuntimeWarning)
+            yield interrupts
+    except BaseException as error:
+        # libraries turn an interrupt during their import into errors of their own
+        if interrupts.came or isinstance(error, KeyboardInterrupt):
+            say("quadfold: interrupted; no half-written file was left.", error=True)
+            sys.exit(130)
+        if isinstance(error, OrigamiError):
+            say(f"quadfold: {error}", error=True)
+            sys.exit(2)
+        if isinstance(error, MemoryError):
+            say("quadfold: out of memory. Ask for fewer quads or dashes.", error=True)
+            sys.exit(2)
+        raise
+
+
+class Interrupts:
+    """Notes SIGINT and SIGTERM: some libraries swallow the exception that they raise."""
+
+    def __init__(self) -> None:
+        self.came = False
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> None:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._note)
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _note(self, _: int, frame: FrameType | None) -> None:
+        self.came = True
+        if not _loads(frame):
+            raise KeyboardInterrupt
+
+    def check(self) -> None:
+        """Raise again what a library may have swallowed."""
+        if self.came:
+            raise KeyboardInterrupt
+
+
+def _loads(frame: FrameType | None) -> bool:
+    """Whether a library is being imported, which an exception would leave half done."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def say(text: str, *, error: bool = False) -> None:
+    """Print a line; a closed pipe or full disk behind stdout does not change what was made.
+
+    What the terminal cannot show, such as bytes of a file name that are no text, is escaped.
+    """
+    stream = sys.stderr if error else sys.stdout
+    encoding = getattr(stream, "encoding", None) or "utf-8"
+    with suppress(OSError):
+        click.echo(text.encode(encoding, "backslashreplace").decode(encoding), err=error)
+
+
+def tell(findings: Sequence[Finding]) -> None:
+    """One line for each code of finding; all of them stand in the report."""
+    for code in dict.fromkeys(finding.code for finding in findings):
+        alike = [finding for finding in findings if finding.code == code]
+        more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
+        say(f"{alike[0].severity}: {code}: {alike[0].text}{more}", error=True)
+
+
+def tell_left(left: Sequence[Path]) -> None:
+    """One line for files of the same name that were there before and were not made anew."""
+    if left:
+        more = f" and {len(left) - 1} more of this name are" if len(left) > 1 else " is"
+        say(f"note: {left[0]}{more} from an earlier run", error=True)
+
+
+@contextmanager
+def progress_bar(interrupts: Interrupts) -> Iterator[Callable[[str, int, int], None]]:
+    """A bar on a terminal, nothing in a pipe; either way a place where interrupts are seen."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda *_: interrupts.check()
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    bar = Progress(
+        TextColumn("{task.description:<10}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        console=Console(stderr=True),
+        transient=True,
+    )
+    with bar:
+        task = bar.add_task("", total=1)
+
+        def show(stage: str, done: int, total: int) -> None:
+            interrupts.check()
+            bar.update(task, description=stage, completed=done, total=total)
+
+        yield show
