@@ -13,7 +13,7 @@ def run() -> None:
     """
     came: list[int] = []
     before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    from fab.cli import main
+    from fab.cli.group import main
 
     signal.signal(signal.SIGINT, before)
     if came:

@@ -21,10 +21,11 @@ from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
-from solver.target_frames import Frame
-from solver.target_implicit import ImplicitSurface
-from solver.target_meshes import MeshSurface
-from solver.targets import ParametricSurface, Target, TurnedTarget, explicit_surface, ray_hit
+from solver.targets.base import Target, ray_hit
+from solver.targets.frame import Frame
+from solver.targets.implicit import ImplicitSurface
+from solver.targets.mesh import MeshSurface
+from solver.targets.parametric import ParametricSurface, TurnedTarget, explicit_surface
 
 __all__ = [
     "DESIGNS",

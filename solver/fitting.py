@@ -33,7 +33,8 @@ from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh, Side, boundary_loops
 from solver.planarise import planarised
-from solver.targets import Target, TurnedTarget, ray_hit
+from solver.targets.base import Target, ray_hit
+from solver.targets.parametric import TurnedTarget
 from solver.vectors import BoolArray, FloatArray, IntArray, dot, norm, unit
 
 __all__ = ["fit_surface"]

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import MatrixRankWarning, spsolve
 
 from solver.measure import angle_excess
 from solver.mesh import QuadMesh, interior_vertices
-from solver.targets import Target
+from solver.targets.base import Target
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm
 
 __all__ = ["assembled", "planarised", "planarity_rows", "sector_rows"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from fab.crease import CreasePattern
+from fab.pattern.crease_pattern import CreasePattern
 from solver.mesh import edges_of
 
 

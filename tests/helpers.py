@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fab.job import load_job
-from fab.make import Made, make
+from fab.jobs.job import load_job
+from fab.jobs.job_files import make
+from fab.outputs import Made
 
 ROOT = Path(__file__).parent.parent
 TEMPLATES = ROOT / "templates"
+PATTERNS = ROOT / "tests" / "patterns"
 REFERENCE = ROOT.parent / "shared" / "reference"
 
 TEMPLATE_NAMES = sorted(path.stem for path in TEMPLATES.glob("*.toml"))

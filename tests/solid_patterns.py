@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from flat_patterns import pattern_of
 
-from fab.crease import CreasePattern
+from fab.pattern.crease_pattern import CreasePattern
 
 
 def creased(pattern: CreasePattern, angles_deg, folded=None) -> CreasePattern:

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fab.catalogue import shipped
 from fab.errors import InvalidJob
-from fab.job import Job, parse_job
-from fab.materials import Machine, Material
+from fab.jobs.job import Job, parse_job
 from fab.settings import checked, read_toml
-from fab.shipped import shipped
+from fab.sheets.materials import Machine, Material
 
 DOCUMENTS = [
     (model, tomllib.loads(shipped(kind)[name].read_text(encoding="utf-8")))

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from pathlib import Path
 
 import numpy as np
+from flat_patterns import pattern_of
+from helpers import PATTERNS
 
-from fab.crease import CreasePattern, crease_pattern
-from fab.development import develop
-from fab.hinges import HingeSettings
-from fab.kinematics import fold_by_angles
-from fab.panels import PanelSettings
-from fab.pattern_file import read_pattern
-from fab.thick import ThickSheet, thicken
+from fab.formats.fold_reader import read_pattern
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.hinges import HingeSettings
+from fab.panels.thick_sheet import ThickSheet, thicken
+from fab.pattern.crease_pattern import CreasePattern, crease_pattern
+from fab.pattern.development import develop
+from fab.pattern.kinematics import fold_by_angles
 from solver import Miura
 
-PATTERNS = Path(__file__).parent / "patterns"
+SIDE_MM = 20.0
+WEBS = HingeSettings(web_mm=0.2, relief_mm=0.1)
 
 
 def scaled_to(pattern: CreasePattern, width_mm: float) -> CreasePattern:
@@ -47,3 +49,26 @@ def miura_pattern(columns: int = 4, rows: int = 4) -> CreasePattern:
 def shipped_pattern(name: str, width_mm: float) -> CreasePattern:
     """A pattern that others could have made, from the folder of FOLD files."""
     return scaled_to(read_pattern(PATTERNS / f"{name}.fold")[0], width_mm)
+
+
+def creased(flat, faces, angle_deg: float) -> CreasePattern:
+    """Faces whose creases all fold by one angle, with the form that two halves at x = 0 have."""
+    pattern = pattern_of(flat, faces, "V" if angle_deg > 0 else "M", angle=abs(angle_deg))
+    return dataclasses.replace(pattern, folded_coords=folded(flat, angle_deg))
+
+
+def book(angle_deg: float) -> CreasePattern:
+    """Two squares across a crease along y at x = 0, with its folded form."""
+    flat = np.array([[0, 0], [0, 1], [1, 0], [1, 1], [-1, 0], [-1, 1]]) * SIDE_MM
+    return creased(flat, [[0, 2, 3, 1], [4, 0, 1, 5]], angle_deg)
+
+
+def folded(flat, angle_deg):
+    """Each half turned up by half of the angle."""
+    half = np.radians(angle_deg) / 2
+    x, y = flat.T
+    return np.column_stack([x * np.cos(half), y, np.abs(x) * np.sin(half)])
+
+
+def solid(pattern, **panel):
+    return thicken(pattern, PanelSettings(**panel), WEBS)[0]

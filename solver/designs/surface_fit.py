@@ -10,7 +10,8 @@ import numpy as np
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.growth import Growth
-from solver.targets import ParametricSurface, Target
+from solver.targets.base import Target
+from solver.targets.parametric import ParametricSurface
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["SURFACES", "SurfaceFit"]

@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fab.clearance import inspect_thick
-from fab.crease import crease_pattern
-from fab.development import develop
-from fab.hinges import HingeSettings
-from fab.joining import joined_mesh
-from fab.panels import PanelSettings
-from fab.states import Stage, flat_panels, panels_at
-from fab.thick import thicken
+from fab.clearance.thick_inspection import inspect_thick
+from fab.folding.folded_states import Stage, flat_panels, panels_at
+from fab.geometry.booleans import joined_mesh
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.hinges import HingeSettings
+from fab.panels.thick_sheet import thicken
+from fab.pattern.crease_pattern import crease_pattern
+from fab.pattern.development import develop
 from solver import Miura
 
 PANELS = PanelSettings(thickness_mm=0.8, gap_mm=0.4)

@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from fab.crossing import crossing_faces
+from fab.pattern.self_intersection import crossing_faces
 from solver import Miura, developability, planarity
 
 

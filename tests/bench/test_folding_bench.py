@@ -8,12 +8,12 @@ import time
 import numpy as np
 import pytest
 
-from fab.crease import crease_pattern
-from fab.development import develop
-from fab.dynamics import DynamicSettings, moved
-from fab.folding import aligned, fold
-from fab.framework import framework
-from fab.verdict import judge
+from fab.folding.bar_hinge_model import framework
+from fab.folding.dynamics import DynamicSettings, moved
+from fab.folding.quasi_static import aligned, fold
+from fab.folding.verdict import judge
+from fab.pattern.crease_pattern import crease_pattern
+from fab.pattern.development import develop
 from solver import Crumpled, CurvedFold, Miura, SurfaceFit
 from solver.vectors import norm
 

@@ -11,7 +11,7 @@ import time
 import pytest
 from flat_patterns import stars
 
-from fab.nesting import nest
+from fab.layout.nesting import nest
 
 BED = (600.0, 400.0)
 

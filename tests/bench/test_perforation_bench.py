@@ -10,11 +10,11 @@ import time
 import numpy as np
 import pytest
 
-from fab.crease import crease_pattern
-from fab.development import develop
-from fab.perforation import PerforationSettings, cut_layers
-from fab.relief import ReliefSettings
-from fab.styles import DashDotStyle, DashStyle, DotStyle, LatticeStyle
+from fab.pattern.crease_pattern import crease_pattern
+from fab.pattern.development import develop
+from fab.sheets.crease_styles import DashDotStyle, DashStyle, DotStyle, LatticeStyle
+from fab.sheets.perforation import PerforationSettings, cut_layers
+from fab.sheets.relief_holes import ReliefSettings
 from solver import Miura
 
 STYLES = [

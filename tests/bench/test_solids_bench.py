@@ -12,13 +12,13 @@ from functools import partial
 import numpy as np
 import pytest
 
-from fab.crease import CreasePattern, crease_pattern
-from fab.development import develop
-from fab.hinges import HingeSettings
-from fab.panels import PanelSettings
-from fab.step import step_bytes
-from fab.thick import ThickSheet, thicken
-from fab.threemf import PrintObject, sheet_parts, threemf_bytes
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.hinges import HingeSettings
+from fab.panels.step import step_bytes
+from fab.panels.thick_sheet import ThickSheet, thicken
+from fab.pattern.crease_pattern import CreasePattern, crease_pattern
+from fab.pattern.development import develop
+from fab.printing.threemf import PrintObject, sheet_parts, threemf_bytes
 from solver import Miura
 
 SIDES = (10, 20, 40, 80)

@@ -14,9 +14,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import Delaunay
 
-from fab.paths import CutPaths, Layer, Operation
-from fab.styles import DashStyle, cuts_along
-from fab.tour import nearest_neighbours, tour, travel_mm
+from fab.drawings.cut_paths import CutPaths, Layer, Operation
+from fab.sheets.crease_styles import DashStyle, cuts_along
+from fab.sheets.cutting_order import nearest_neighbours, tour, travel_mm
 
 HEAD = np.zeros(2)
 

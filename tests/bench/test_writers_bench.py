@@ -10,8 +10,8 @@ import tracemalloc
 import ezdxf
 import numpy as np
 
-from fab.dxf import dxf_bytes, write_dxf
-from fab.paths import CutPaths, Layer, Operation
+from fab.drawings.cut_paths import CutPaths, Layer, Operation
+from fab.drawings.dxf import dxf_bytes, write_dxf
 
 
 def dashes(count: int) -> CutPaths:

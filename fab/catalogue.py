@@ -1,0 +1,143 @@
+"""How is a machine or material read from a file that a person can copy and replace?"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Literal, TypeVar, get_args
+
+from pydantic import Field, field_validator, model_validator
+
+from fab.errors import InvalidJob
+from fab.settings import Settings, checked, read_toml
+
+__all__ = ["CURE", "Bedded", "Described", "described", "load_described", "shipped", "shipped_of"]
+
+CURE = "Begin with a copy of a shipped file."
+
+
+class Described(Settings):
+    """Base of materials and machines: what it is, and which of its values are to be tried first."""
+
+    description: str = Field(min_length=1, description="one line, for lists of names")
+    starting_points: list[str] = Field(
+        default=[],
+        description="keys, such as speeds.cut_mm_s, whose values differ by machine: "
+        "a test card finds the right ones",
+    )
+
+    @model_validator(mode="after")
+    def _names_keys(self) -> Described:
+        known = sorted(_keys(self.model_dump()))
+        for key in self.starting_points:
+            if key not in known:
+                close = difflib.get_close_matches(key, known, 1, 0.6)
+                hint = f" Did you mean {close[0]}?" if close else ""
+                raise ValueError(f"starting_points names {key}, which is no key here.{hint}")
+        return self
+
+
+def _keys(table: Mapping[str, Any], above: str = "") -> Iterator[str]:
+    for key, value in table.items():
+        yield above + key
+        if isinstance(value, Mapping):
+            yield from _keys(value, f"{above}{key}.")
+
+
+class Bedded(Described):
+    """Base of machines: the bed on which they work."""
+
+    bed_mm: tuple[float, float] = Field(strict=False, description="width and depth")
+    margin_mm: float = Field(ge=0, le=500, description="of the bed, on all sides, kept free")
+
+    @field_validator("bed_mm")
+    @classmethod
+    def _has_size(cls, sides: tuple[float, float]) -> tuple[float, float]:
+        if not all(0 < side <= 1e5 for side in sides):
+            raise ValueError("both sides must be above 0 and at most 100000 mm")
+        return sides
+
+    @model_validator(mode="after")
+    def _has_room(self) -> Bedded:
+        if min(self.room_mm) <= 0:
+            raise ValueError(
+                f"margin_mm = {self.margin_mm:g} leaves nothing of bed_mm = {list(self.bed_mm)}: "
+                f"it must be below {min(self.bed_mm) / 2:g}"
+            )
+        return self
+
+    @property
+    def room_mm(self) -> tuple[float, float]:
+        """Width and depth of the bed within its margins."""
+        width, depth = self.bed_mm
+        return width - 2 * self.margin_mm, depth - 2 * self.margin_mm
+
+
+Model = TypeVar("Model", bound=Described)
+Folder = Literal["materials", "machines"]
+# What a file is that does not say so.
+_KINDS = {"materials": "sheet", "machines": "cutter"}
+
+
+def described(folder: Folder) -> dict[str, tuple[str, str]]:
+    """Kind and description of every shipped material or machine, by name."""
+    documents = {name: read_toml(path, "") for name, path in shipped(folder).items()}
+    return {
+        name: (_kind(document, folder), str(document["description"]))
+        for name, document in documents.items()
+    }
+
+
+def shipped_of(kind: Literal["sheet", "print", "cutter", "printer"]) -> dict[str, Path]:
+    """TOML files of the shipped sheets, print materials, cutters or printers, by name, sorted."""
+    folder: Folder = "materials" if kind in ("sheet", "print") else "machines"
+    kinds = described(folder)
+    return {name: path for name, path in shipped(folder).items() if kinds[name][0] == kind}
+
+
+def load_described(model: type[Model], folder: Folder, name_or_path: str | Path) -> Model:
+    """A shipped file by name or any other by its path, as the model that its kind is.
+
+    Raises `InvalidJob` with every key at fault, and for files of another kind.
+    """
+    (wanted,) = get_args(model.model_fields["kind"].annotation)
+    path = Path(name_or_path)
+    if path.suffix != ".toml":
+        name = str(name_or_path)
+        kinds = {known: kind for known, (kind, _) in described(folder).items()}
+        known = [name for name, kind in kinds.items() if kind == wanted]
+        if name not in known:
+            what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
+            close = difflib.get_close_matches(name, known, 1, 0.4)
+            hint = f" Did you mean {close[0]}?" if close else ""
+            raise InvalidJob(
+                f"{folder[:-1]} {name!r} {what}must be one of {', '.join(known)}, or the path "
+                f"of a .toml file.{hint}"
+            )
+        path = shipped(folder)[name]
+    document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {folder}`.")
+    kind = _kind(document, folder)
+    if kind != wanted:
+        raise InvalidJob(
+            f"{path}: kind = {kind!r} must be {wanted!r} here. List the names: "
+            f"`quadfold shipped {folder}`."
+        )
+    return checked(model, document, str(path), CURE)
+
+
+def _kind(document: Mapping[str, Any], folder: Folder) -> str:
+    return str(document.get("kind", _KINDS[folder]))
+
+
+_PACKAGED = Path(__file__).parent / "templates"
+
+
+_CHECKED_OUT = Path(__file__).parent.parent / "templates"
+
+
+def shipped(kind: Literal["jobs", "materials", "machines"]) -> dict[str, Path]:
+    """Their TOML files by name, sorted."""
+    folder = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
+    folder = folder if kind == "jobs" else folder / kind
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}

@@ -1,0 +1,110 @@
+"""Up to which thickness do no panels of a sheet overlap in a folded state?
+
+Thinner panels lie within thicker ones, unless knuckles set these back farther. So the pairs that
+overlap at one thickness are all that can overlap below it, and the bound is found by halves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from fab.clearance.pair_checks import check_pairs, thick_bodies
+from fab.folding.folded_states import FoldedState, folded_states, known_target, states_within
+from fab.geometry.booleans import manifolds
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.feasibility import least_thickness_mm
+from fab.panels.hinges import HingeSettings
+from fab.panels.inset_limits import largest_where
+from fab.panels.thick_sheet import ThickSheet, rigid_sheet
+from fab.pattern.crease_pattern import CreasePattern
+from fab.progress import Progress, silent
+from solver.vectors import IntArray
+
+__all__ = ["clear_up_to", "collisions"]
+
+
+def collisions(
+    pattern: CreasePattern,
+    panel: PanelSettings,
+    hinge: HingeSettings,
+    progress: Progress = silent,
+    states: Sequence[FoldedState] | None = None,
+) -> Callable[[float], float | None]:
+    """As `clear_up_to` at the target, for any thickness to begin with, in mm.
+
+    The target is the folded form of the pattern or of its angles; where fold_limit_deg stops the
+    sheet on its way, or there is no such form, the last state of the simulated fold that is within
+    the limit. No state is looked for before the answer is asked for; states : where they are known.
+    """
+
+    @cache
+    def target() -> FoldedState:
+        faces, limit = np.arange(pattern.face_count), panel.fold_limit_deg
+        known = known_target(pattern) if states is None else None
+        if known is not None and not len(states_within(pattern, faces, [known], limit)[1]):
+            return known
+        every = folded_states(pattern, progress=progress)[0] if states is None else states
+        return states_within(pattern, faces, every, limit)[0][-1]
+
+    def clear(thickness_mm: float) -> float | None:
+        given = panel.model_copy(update={"thickness_mm": thickness_mm})
+        return clear_up_to(pattern, given, hinge, target())
+
+    return clear
+
+
+def clear_up_to(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings, state: FoldedState
+) -> float | None:
+    """The largest thickness, mm, at most that of the panels, at which none overlap in a state.
+
+    By more than faces that bend explain. None where some do at every thickness. Exact to 1e-9 of
+    itself.
+    """
+
+    def overlapping(thickness_mm: float, among: IntArray | None = None) -> IntArray:
+        given = panel.model_copy(update={"thickness_mm": thickness_mm})
+        return _overlapping(rigid_sheet(pattern, given, hinge)[0], state, among)
+
+    least, most = least_thickness_mm(panel, hinge), panel.thickness_mm
+    suspects = found = overlapping(most)
+    while len(found):
+        among = suspects
+        below = largest_where(lambda t: not len(overlapping(t, among)), least, most)  # noqa: B023
+        if below is None:
+            return None
+        # panels that come back when thinner, or nearer to others, may overlap as well
+        most, found = below, overlapping(below)
+        suspects = np.union1d(suspects, found)
+    return most
+
+
+def _overlapping(sheet: ThickSheet, state: FoldedState, among: IntArray | None = None) -> IntArray:
+    """Faces whose panels overlap others, rising; among: only of these faces."""
+    if among is not None:
+        sheet = _only(sheet, among)
+    if len(sheet.bodies) < 2:
+        return np.empty(0, np.int64)
+    every = np.arange(len(sheet.bodies))
+    check = check_pairs(sheet, thick_bodies(sheet, manifolds(sheet.bodies), every), state)
+    rows = check.overlapping
+    return np.unique(check.faces[check.pairs[rows[check.deep[rows]]]])
+
+
+def _only(sheet: ThickSheet, faces: IntArray) -> ThickSheet:
+    """The panels of some faces."""
+    chosen = np.flatnonzero(np.isin(sheet.faces, faces))
+    bodies = sheet.bodies.chosen(chosen)
+    return replace(
+        sheet,
+        bodies=bodies,
+        names=tuple(sheet.names[body] for body in chosen.tolist()),
+        faces=sheet.faces[chosen],
+        creases=sheet.creases[chosen],
+        flexible=sheet.flexible[chosen],
+        joining=bodies,
+    )

@@ -1,0 +1,102 @@
+"""Commands about files of other programs."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import click
+
+from fab.cli.console import answers, say, tell
+from fab.cli.options import (
+    STRICT,
+    write_made,
+)
+from fab.errors import InvalidFile, InvalidJob, Severity
+from solver.errors import InvalidValue
+
+__all__ = ["check", "convert"]
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
+)
+@STRICT
+def check(file: Path, tolerance: float, strict: bool) -> None:
+    """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
+    with answers():
+        from fab.formats.fold_reader import read_pattern
+        from fab.pattern.inspection import (
+            inspect_accuracy,
+            inspect_angles,
+            inspect_crossings,
+            measure_pattern,
+        )
+        from fab.pattern.self_intersection import crossing_faces
+
+        if not math.isfinite(tolerance):
+            raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
+        pattern, repairs = read_pattern(file, strict=strict)
+        tell(repairs)
+        if pattern.folded_coords is None:
+            raise InvalidFile(
+                f"{file}: no folded frame to measure. Add a frame of class foldedForm."
+            )
+        accuracy = measure_pattern(pattern)
+        try:
+            angles = inspect_angles(pattern)
+        except InvalidValue as error:
+            raise InvalidFile(f"{file}: {error}") from error
+        crossings = crossing_faces(
+            pattern.folded_coords, pattern.faces_vertices, pattern.faces_offsets
+        )
+        counts = pattern.counts()
+        say(f"vertices            {len(pattern.vertices_coords)}")
+        say(f"faces               {pattern.face_count}")
+        say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
+        say(f"planarity           {accuracy.planarity_max:.3e}")
+        say(f"developability      {accuracy.developability_max_rad:.3e} rad")
+        say(f"isometry            {accuracy.isometry_max_rel:.3e}")
+        say(f"crossings           {len(crossings)}")
+        findings = inspect_accuracy(accuracy, tolerance) + angles + inspect_crossings(crossings)
+        tell(findings)
+    sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
+
+
+@click.command()
+@click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--out",
+    default=None,
+    type=click.Path(path_type=Path),
+    help="File to write (default: the last of the files).",
+)
+@STRICT
+@click.option("--dry-run", is_flag=True, help="Read and convert everything, write nothing.")
+def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bool) -> None:
+    """Convert between FOLD files and pairs of OBJ files (flat and folded), or to SVG.
+
+    quadfold convert crane.fold mended.fold   repairs the file, and says what it did
+
+    quadfold convert crane.fold crane.obj     writes crane_flat.obj and crane_fold.obj
+
+    quadfold convert crane.fold crane.svg     with the colours that Origami Simulator reads
+
+    quadfold convert crane_flat.obj crane.fold   reads crane_fold.obj beside it as well
+
+    quadfold convert one.obj two.obj --out crane.fold   a flat and a folded mesh
+    """
+    with answers():
+        from fab.formats.conversion import convert, read_any
+        from fab.outputs import require_folder
+
+        target = out if out is not None else files[-1]
+        sources = files if out is not None else files[:-1]
+        require_folder(target.parent)
+        made = convert(read_any(sources, strict=strict), target)
+        write_made(made, target.parent, dry_run)
+        tell(made.findings)
+    sys.exit(0 if made.within_tolerance else 1)

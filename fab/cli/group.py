@@ -1,0 +1,27 @@
+"""The command line: its commands, and the exit codes that they answer with.
+
+0: made and within tolerance. 1: made, but with a finding of severity error. 2: bad usage or bad
+input, nothing written. 130: interrupted, no partial file left.
+"""
+
+from __future__ import annotations
+
+import click
+
+from fab.cli.folding import simulate
+from fab.cli.formats import check, convert
+from fab.cli.jobs import new, run, templates
+from fab.cli.panels import thicken
+from fab.cli.sheets import coupon, fabricate, shipped
+
+__all__ = ["main"]
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="quadfold")
+def main() -> None:
+    """Quad origami, from a job file to files for laser cutters, 3D printers and simulators."""
+
+
+for command in (run, fabricate, thicken, simulate, coupon, shipped, templates, new, check, convert):
+    main.add_command(command)

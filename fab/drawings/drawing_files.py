@@ -1,0 +1,44 @@
+"""Which files hold the drawing of a sheet?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+
+from fab.drawings.cut_paths import CutPaths
+from fab.drawings.dxf import DxfVersion, dxf_bytes
+from fab.drawings.layer_colours import Colours
+from fab.drawings.svg import svg_bytes
+
+__all__ = ["SheetFormat", "drawing_files"]
+
+
+class SheetFormat(StrEnum):
+    """The kinds of files of a sheet, named by their endings."""
+
+    DXF = "dxf"
+    SVG = "svg"
+    PDF = "pdf"
+
+
+def drawing_files(
+    paths: CutPaths,
+    name: str,
+    formats: Sequence[SheetFormat],
+    colours: Colours | None = None,
+    dxf_version: DxfVersion = DxfVersion.R2000,
+) -> dict[str, bytes]:
+    """Files by name, in the order of `SheetFormat`; all of them hold the same lines.
+
+    Raises `InvalidValue` where a sheet is larger than a page of PDF may be.
+    """
+    files = {}
+    if SheetFormat.DXF in formats:
+        files[f"{name}.dxf"] = dxf_bytes(paths, colours, dxf_version)
+    if SheetFormat.SVG in formats:
+        files[f"{name}.svg"] = svg_bytes(paths, name, colours)
+    if SheetFormat.PDF in formats:
+        from fab.drawings.pdf import pdf_bytes
+
+        files[f"{name}.pdf"] = pdf_bytes(paths, name, colours)
+    return files

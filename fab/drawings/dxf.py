@@ -1,0 +1,147 @@
+"""How do cut paths become a DXF file?
+
+Real segments, no linetypes; one layer and one colour per operation; millimetres in the header.
+ezdxf writes header, tables and outlines; the dashes are formatted in bulk and put before the
+outlines, because a million of them would otherwise take minutes, and because a machine that cuts in
+the order of the file must free pieces last.
+"""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from typing import BinaryIO
+
+import ezdxf
+from ezdxf.enums import InsertUnits
+
+from fab.drawings.cut_paths import CutPaths
+from fab.drawings.layer_colours import Colours
+from fab.drawings.number_records import write_records
+
+__all__ = ["DxfVersion", "dxf_bytes", "write_dxf"]
+
+
+class DxfVersion(StrEnum):
+    """Which DXF is written.
+
+    R12 is for old machines alone. It has no LWPOLYLINE, so outlines are POLYLINEs, several times as
+    long; and no units: $INSUNITS and $MEASUREMENT stand in its header all the same, because
+    programs that look for them then open the sheet at its size. Those that don't take the numbers
+    for their own unit: tell them that these are millimetres.
+    """
+
+    R12 = "R12"
+    R2000 = "R2000"
+    R2004 = "R2004"
+    R2007 = "R2007"
+    R2010 = "R2010"
+    R2013 = "R2013"
+    R2018 = "R2018"
+
+
+_UNITS = "  9\n$INSUNITS\n 70\n4\n  9\n$MEASUREMENT\n 70\n1\n"
+
+
+def dxf_bytes(
+    paths: CutPaths,
+    colours: Colours | None = None,
+    version: DxfVersion = DxfVersion.R2000,
+) -> bytes:
+    """`write_dxf` into memory."""
+    out = io.BytesIO()
+    write_dxf(out, paths, colours, version)
+    return out.getvalue()
+
+
+def write_dxf(
+    stream: BinaryIO,
+    paths: CutPaths,
+    colours: Colours | None = None,
+    version: DxfVersion = DxfVersion.R2000,
+) -> None:
+    """Write the DXF file, the same bytes for the same paths, without holding it in memory."""
+    head, body, tail, owner, handle = _frame(paths, colours or Colours(), version)
+    count = sum(len(layer.segments) for layer in paths.layers)
+    handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
+    seed = f"$HANDSEED\n  5\n{handle + count:X}\n"
+    stream.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
+    for layer in paths.layers:
+        rows = layer.segments.reshape(-1, 4)
+        write_records(stream, _line(layer.operation, owner, version), rows, handle)
+        handle += len(rows)
+    stream.write(body.encode())
+    stream.write(tail.encode())
+
+
+def _frame(
+    paths: CutPaths, colours: Colours, version: DxfVersion
+) -> tuple[str, str, str, str, int]:
+    """What stands before the dashes (header apart) and behind them; their owner; a free handle."""
+    with _fixed_metadata():
+        document = ezdxf.new(version)
+        if version is not DxfVersion.R12:  # there ezdxf leaves them out
+            document.units = InsertUnits.Millimeters
+            document.header["$MEASUREMENT"] = 1
+        space = document.modelspace()
+        for layer in paths.layers:
+            document.layers.add(layer.operation, color=colours.of(layer.operation).aci)
+            for outline in layer.outlines:
+                attributes = {"layer": layer.operation}
+                if version is DxfVersion.R12:
+                    space.add_polyline2d(outline, close=True, dxfattribs=attributes)
+                else:
+                    space.add_lwpolyline(outline, close=True, dxfattribs=attributes)
+        corners = (0.0, 0.0, 0.0), (*paths.size_mm, 0.0)
+        document.header["$EXTMIN"], document.header["$EXTMAX"] = corners
+        space.dxf.extmin, space.dxf.extmax = corners
+        stream = io.StringIO()
+        document.write(stream)
+    text = stream.getvalue()
+    found = re.search(r"\$HANDSEED\n  5\n([0-9A-F]+)\n", text)
+    head, mark, rest = text.partition("  2\nENTITIES\n")
+    if found is None or not mark:
+        raise RuntimeError("ezdxf wrote a DXF file without $HANDSEED or ENTITIES section")
+    if version is DxfVersion.R12:
+        first = "  2\nHEADER\n"
+        head = head.replace(first, first + _UNITS, 1)
+    body, end, tail = rest.partition("  0\nENDSEC\n")
+    return head + mark, body, end + tail, space.layout_key, int(found[1], 16)
+
+
+def _line(layer: str, owner: str, version: DxfVersion) -> list[bytes]:
+    """The text of a LINE around its handle and its four coordinates."""
+    kind, place, entity, between = "  0\nLINE\n  5\n", f"  8\n{layer}\n", "", ""
+    if version is not DxfVersion.R12:
+        entity = f"330\n{owner}\n100\nAcDbEntity\n"
+        between = "100\nAcDbLine\n"
+    parts = [
+        kind,
+        f"\n{entity}{place}{between} 10\n",
+        "\n 20\n",
+        "\n 30\n0.0\n 11\n",
+        "\n 21\n",
+        "\n 31\n0.0\n",
+    ]
+    return [part.encode() for part in parts]
+
+
+@contextmanager
+def _fixed_metadata() -> Iterator[None]:
+    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes.
+
+    Its warning that R12 has no units is held back: they are written all the same.
+    """
+    logger = logging.getLogger("ezdxf")
+    before, level = ezdxf.options.write_fixed_meta_data_for_testing, logger.level
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+        logger.setLevel(level)

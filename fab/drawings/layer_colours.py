@@ -1,0 +1,39 @@
+"""Which colour does each operation have in the drawings? Laser software tells its layers by it."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from fab.drawings.cut_paths import Operation
+from fab.settings import Settings
+
+__all__ = ["Colour", "Colours"]
+
+
+class Colour(Settings):
+    """One colour, for drawings with any colours and for those with a palette."""
+
+    hex: str = Field(pattern=r"^#[0-9a-f]{6}$", description="#rrggbb, for SVG and PDF")
+    aci: int = Field(ge=1, le=255, description="AutoCAD colour index, for DXF")
+
+
+class Colours(Settings):
+    """Colour by operation: by default green marks, red mountains, blue valleys, magenta relief
+    holes, black cuts (in DXF white on dark).
+    """
+
+    engrave: Colour = Colour(hex="#00a000", aci=3)
+    mountain: Colour = Colour(hex="#ff0000", aci=1)
+    valley: Colour = Colour(hex="#0000ff", aci=5)
+    relief: Colour = Colour(hex="#ff00ff", aci=6)
+    cut: Colour = Colour(hex="#000000", aci=7)
+
+    def of(self, operation: Operation) -> Colour:
+        """The colour of an operation."""
+        return {
+            Operation.ENGRAVE: self.engrave,
+            Operation.MOUNTAIN: self.mountain,
+            Operation.VALLEY: self.valley,
+            Operation.RELIEF: self.relief,
+            Operation.CUT: self.cut,
+        }[operation]

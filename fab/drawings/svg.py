@@ -1,0 +1,62 @@
+"""How do cut paths become an SVG file?
+
+In millimetres, one group per operation with Inkscape's layer attributes, hairline strokes.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import BinaryIO
+from xml.sax.saxutils import escape, quoteattr
+
+from fab.drawings.cut_paths import CutPaths, Layer
+from fab.drawings.layer_colours import Colours
+from fab.drawings.number_records import write_records
+from fab.outputs import plain_title
+
+__all__ = ["svg_bytes"]
+
+_HAIRLINE_MM = 0.1
+
+
+def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
+    """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
+
+    SVG's y axis points down, so y is turned around: the picture is not mirrored.
+    """
+    width, height = paths.size_mm
+    edge = _HAIRLINE_MM  # room for half a stroke on every side
+    box = (-edge, -edge, width + 2 * edge, height + 2 * edge)
+    head = (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<svg xmlns="http://www.w3.org/2000/svg" '
+        'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+        f'width="{box[2]:.6f}mm" height="{box[3]:.6f}mm" '
+        f'viewBox="{box[0]:.6f} {box[1]:.6f} {box[2]:.6f} {box[3]:.6f}">\n'
+        f"<title>{escape(plain_title(title))}</title>\n"
+    )
+    chosen = colours or Colours()
+    out = io.BytesIO()
+    out.write(head.encode())
+    for layer in paths.layers:
+        _write_group(out, layer, height, chosen.of(layer.operation).hex)
+    out.write(b"</svg>\n")
+    return out.getvalue()
+
+
+def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str) -> None:
+    name = quoteattr(layer.operation)
+    out.write(
+        f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '
+        f'stroke="{colour}" stroke-width="{_HAIRLINE_MM}">\n'.encode()
+    )
+    segments = layer.segments.reshape(-1, 4) * [1, -1, 1, -1] + [0, height, 0, height]
+    if len(segments):
+        out.write(b'<path d="')
+        write_records(out, [b"M", b",", b"L", b",", b" "], segments)
+        out.write(b'"/>\n')
+    for outline in layer.outlines:
+        points = (outline * [1, -1] + [0, height]).tolist()
+        path = "M" + "L".join("%.6f,%.6f" % (x, y) for x, y in points) + "Z"
+        out.write(f'<path d="{path}"/>\n'.encode())
+    out.write(b"</g>\n")

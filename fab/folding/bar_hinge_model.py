@@ -1,0 +1,369 @@
+"""What holds a sheet together while it folds: which bars and hinges, how stiff, at what energy?
+
+A bar lies along every side of every triangle into which the faces are cut, a hinge along every side
+that two triangles share: a crease of the pattern, or a facet crease within a face. With lengths
+l and rest lengths l0, fold angles theta and their targets theta*, the energy is
+
+    E = sum_bars k_axial / (2 l0) (l - l0)^2 + sum_hinges k_hinge l0 / 2 (theta - theta*)^2,
+
+the model of Schenk and Guest (2011), with the rotational springs that Ghassaei, Demaine and
+Gershenfeld (2018) drive to target angles. Lengths are over the diagonal of the flat sheet, so that
+stiffness does not depend on its size; angles are radians, valley positive.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_array, csc_array
+from scipy.sparse.csgraph import connected_components
+
+from fab.folding.fold_settings import Stiffness
+from fab.geometry.rings import by_size
+from fab.geometry.triangulation import cap_triangles
+from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.kinematics import unknown_angles
+from fab.pattern.open_cuts import Opened, edges_between, opened
+from solver.errors import InvalidValue
+from solver.mesh import edges_of
+from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
+
+__all__ = [
+    "Energy",
+    "Framework",
+    "framework",
+    "hinge_angles",
+    "hinge_forces",
+    "wrapped",
+]
+
+# Squares of larger and smaller sheets are no numbers.
+_SMALLEST_MM, _LARGEST_MM = 1e-100, 1e100
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy that is stored in bars, and in hinges that are not at their targets."""
+
+    bars: float
+    hinges: float
+
+    @property
+    def total(self) -> float:
+        """Of bars and hinges."""
+        return self.bars + self.hinges
+
+
+@dataclass(frozen=True)
+class Framework:
+    """Bars and hinges of a crease pattern. Lengths are over `size_mm`.
+
+    Attributes
+    ----------
+    sheet : the pattern with its cuts open; vertices, faces and edges are numbered as in it.
+    size_mm : diagonal of the flat sheet.
+    vertices_coords : shape (nv, 3), the flat sheet, z = 0.
+    triangles_vertices, triangles_face : shapes (nt, 3) and (nt,); counterclockwise when flat.
+    bars_vertices, bars_length, bars_stiffness : shapes (nb, 2), (nb,) and (nb,), k_axial / l0.
+    hinges_vertices : shape (nh, 4): two ends, in the direction of the first triangle, and the
+        corners of the first and of the second triangle off the hinge.
+    hinges_triangles : shape (nh, 2).
+    hinges_edge : shape (nh,), edge of the sheet; -1 for facet creases.
+    hinges_length, hinges_stiffness : shape (nh,), the latter k_hinge l0.
+    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and those
+        of unknown angle (`fab.kinematics.unknown_angles`), which have no stiffness.
+    """
+
+    sheet: Opened
+    size_mm: float
+    vertices_coords: FloatArray
+    triangles_vertices: IntArray
+    triangles_face: IntArray
+    bars_vertices: IntArray
+    bars_length: FloatArray
+    bars_stiffness: FloatArray
+    hinges_vertices: IntArray
+    hinges_triangles: IntArray
+    hinges_edge: IntArray
+    hinges_length: FloatArray
+    hinges_stiffness: FloatArray
+    hinges_target: FloatArray
+
+    def energy(self, coords: FloatArray, target: FloatArray) -> Energy:
+        """Energy at coords, shape (nv, 3), with the hinges driven to `target`, shape (nh,)."""
+        stretch = norm(_sides(coords, self.bars_vertices)) - self.bars_length
+        turn = wrapped(hinge_angles(coords, self.hinges_vertices) - target)
+        return Energy(
+            float(self.bars_stiffness @ stretch**2) / 2, float(self.hinges_stiffness @ turn**2) / 2
+        )
+
+    def angles_near(self, coords: FloatArray, target: FloatArray) -> FloatArray:
+        """Fold angles of all hinges, radians, each within pi of its target, shape (nh,)."""
+        return target + wrapped(hinge_angles(coords, self.hinges_vertices) - target)
+
+    def strains(self, coords: FloatArray) -> FloatArray:
+        """Relative stretch of every bar, shape (nb,)."""
+        return norm(_sides(coords, self.bars_vertices)) / self.bars_length - 1
+
+    def gradient(self, coords: FloatArray, target: FloatArray) -> FloatArray:
+        """Of the energy, shape (nv, 3)."""
+        return self.linearised(coords, target)[0]
+
+    def linearised(self, coords: FloatArray, target: FloatArray) -> tuple[FloatArray, csc_array]:
+        """Gradient, shape (nv, 3), and the Gauss-Newton matrix J' K J, shape (3 nv, 3 nv)."""
+        bar, stretch = _bar_gradients(self, coords)
+        hinge, turn = _hinge_gradients(self, coords, target)
+        blocks = [
+            self.bars_stiffness[:, None, None] * bar[:, :, None] * bar[:, None, :],
+            self.hinges_stiffness[:, None, None] * hinge[:, :, None] * hinge[:, None, :],
+        ]
+        return self._summed(bar, stretch, hinge, turn), self._assembly.matrix(blocks)
+
+    def hessian(self, coords: FloatArray, target: FloatArray) -> csc_array:
+        """Exact second derivatives of the energy, shape (3 nv, 3 nv)."""
+        bar, stretch = _bar_gradients(self, coords)
+        hinge, turn = _hinge_gradients(self, coords, target)
+        length = norm(_sides(coords, self.bars_vertices))
+        half = np.eye(3) - bar[:, 3:, None] * bar[:, None, 3:]
+        second = np.kron([[1.0, -1.0], [-1.0, 1.0]], half / length[:, None, None])
+        blocks = [
+            self.bars_stiffness[:, None, None]
+            * (bar[:, :, None] * bar[:, None, :] + stretch[:, None, None] * second),
+            self.hinges_stiffness[:, None, None]
+            * (
+                hinge[:, :, None] * hinge[:, None, :]
+                + turn[:, None, None] * _second_angle_derivatives(coords, self.hinges_vertices)
+            ),
+        ]
+        return self._assembly.matrix(blocks)
+
+    def _summed(
+        self, bar: FloatArray, stretch: FloatArray, hinge: FloatArray, turn: FloatArray
+    ) -> FloatArray:
+        forces = np.concatenate(
+            [
+                ((self.bars_stiffness * stretch)[:, None] * bar).ravel(),
+                ((self.hinges_stiffness * turn)[:, None] * hinge).ravel(),
+            ]
+        )
+        count = 3 * len(self.vertices_coords)
+        return np.asarray(np.bincount(self._assembly.places, forces, count).reshape(-1, 3))
+
+    @cached_property
+    def _assembly(self) -> _Assembly:
+        return _Assembly.of(len(self.vertices_coords), [self.bars_vertices, self.hinges_vertices])
+
+    @cached_property
+    def component(self) -> IntArray:
+        """Which connected piece each vertex belongs to, shape (nv,)."""
+        count = len(self.vertices_coords)
+        one, two = self.bars_vertices.T
+        graph = coo_array((np.ones(len(one)), (one, two)), shape=(count, count))
+        return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+@dataclass(frozen=True)
+class _Assembly:
+    """Where the blocks of bars and hinges stand in the sparse matrix: found once."""
+
+    places: IntArray
+    slots: IntArray
+    rows: IntArray
+    bounds: IntArray
+
+    @staticmethod
+    def of(count: int, members: list[IntArray]) -> _Assembly:
+        size = 3 * count
+        numbers = [
+            (3 * m[:, :, None] + np.arange(3)).reshape(len(m), 3 * m.shape[1]) for m in members
+        ]
+        keys = np.concatenate([(n[:, None, :] * size + n[:, :, None]).ravel() for n in numbers])
+        unique, slots = np.unique(keys, return_inverse=True)
+        bounds = np.searchsorted(unique // size, np.arange(size + 1))
+        return _Assembly(np.concatenate([n.ravel() for n in numbers]), slots, unique % size, bounds)
+
+    def matrix(self, blocks: list[FloatArray]) -> csc_array:
+        data = np.bincount(self.slots, np.concatenate([b.ravel() for b in blocks]), len(self.rows))
+        size = len(self.bounds) - 1
+        return csc_array((data, self.rows, self.bounds), shape=(size, size))
+
+
+def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Framework:
+    """Bars and hinges of any pattern: triangles, n-gons, several pieces, cuts (which are opened).
+
+    Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a triangle
+    without area.
+    """
+    stiffness = stiffness or Stiffness()
+    sheet = opened(pattern)
+    flat = sheet.pattern.vertices_coords
+    size = float(np.hypot(*np.ptp(flat, axis=0)))
+    if not _SMALLEST_MM <= size <= _LARGEST_MM:
+        bound = f"be from {_SMALLEST_MM:g} to {_LARGEST_MM:g} mm across"
+        raise InvalidValue("sheet", f"{size:g} mm", bound, "Give it in another unit.")
+    coords = np.column_stack([flat, np.zeros(len(flat))]) / size
+    corners, offsets = sheet.pattern.faces_vertices, sheet.pattern.faces_offsets
+    triangles, face = _triangles(coords, corners, offsets)
+    edges = edges_of(triangles.ravel(), 3 * np.arange(len(triangles) + 1))
+    length = norm(_sides(coords, edges.edges_vertices))
+    shared = edges.edges_faces[:, 1] >= 0
+    ends, beside = edges.edges_vertices[shared], edges.edges_faces[shared]
+    across = triangles[beside].sum(axis=2) - ends.sum(axis=1)[:, None]
+    crease = np.full(len(ends), -1)
+    between = face[beside[:, 0]] != face[beside[:, 1]]
+    crease[between] = edges_between(sheet.pattern, ends[between])
+    facet = (crease < 0) | (sheet.pattern.edges_assignment[crease] == "J")
+    free = unknown_angles(sheet.pattern)[crease]
+    kind = np.select([facet, free], [stiffness.facet, 0.0], stiffness.crease)
+    target = np.where(facet | free, 0.0, np.radians(sheet.pattern.edges_foldAngle[crease]))
+    return Framework(
+        sheet,
+        size,
+        coords,
+        triangles,
+        face,
+        edges.edges_vertices,
+        length,
+        stiffness.axial / length,
+        np.concatenate([ends, across], axis=1),
+        beside,
+        crease,
+        length[shared],
+        kind * length[shared],
+        target,
+    )
+
+
+def hinge_forces(frame: Framework, coords: FloatArray, target: FloatArray) -> FloatArray:
+    """Forces of the hinges alone on the vertices, shape (nv, 3)."""
+    gradient, turn = _hinge_gradients(frame, coords, target)
+    pull = -(frame.hinges_stiffness * turn)[:, None, None] * gradient.reshape(-1, 4, 3)
+    return scattered(frame.hinges_vertices.ravel(), pull.reshape(-1, 3), len(frame.vertices_coords))
+
+
+def hinge_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
+    """Fold angles of hinges, radians in (-pi, pi], valley positive, shape (nh,)."""
+    e, p, q = _hinge_sides(coords, hinges_vertices)
+    one, two = cross(e, p), cross(q, e)
+    out: FloatArray = np.arctan2(dot(cross(two, one), e) / norm(e), dot(one, two))
+    return out
+
+
+def wrapped(angle: FloatArray) -> FloatArray:
+    """The same angles from -pi to pi: a fold past 180 degrees is near 180, not near -180."""
+    out: FloatArray = angle - 2 * np.pi * np.round(angle / (2 * np.pi))
+    return out
+
+
+def _sides(coords: FloatArray, pairs: IntArray) -> FloatArray:
+    return coords[pairs[:, 1]] - coords[pairs[:, 0]]
+
+
+def _hinge_sides(
+    coords: FloatArray, hinges_vertices: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Along the hinge, and from its first end to both corners off it."""
+    first = coords[hinges_vertices[:, 0]]
+    along, one, two = (coords[hinges_vertices[:, k]] - first for k in (1, 2, 3))
+    return along, one, two
+
+
+def _bar_gradients(frame: Framework, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Gradient of every bar's length, shape (nb, 6), and its stretch, shape (nb,)."""
+    side = _sides(coords, frame.bars_vertices)
+    length = norm(side)
+    along = side / length[:, None]
+    return np.concatenate([-along, along], axis=1), length - frame.bars_length
+
+
+def _hinge_gradients(
+    frame: Framework, coords: FloatArray, target: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Gradient of every hinge's angle, shape (nh, 12), and its angle off the target."""
+    gradient = _angle_gradients(*_hinge_sides(coords, frame.hinges_vertices))
+    turn = wrapped(hinge_angles(coords, frame.hinges_vertices) - target)
+    return gradient, turn
+
+
+def _angle_gradients(e: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+    """Schenk and Guest (2011), after Bekker: corners rise along their triangles' normals."""
+    length = norm(e)[:, None]
+    one, two = cross(e, p), cross(q, e)
+    at_p = length * one / dot(one, one)[:, None]
+    at_q = length * two / dot(two, two)[:, None]
+    a, b = (dot(p, e) / dot(e, e))[:, None], (dot(q, e) / dot(e, e))[:, None]
+    start = -(1 - a) * at_p - (1 - b) * at_q
+    return np.concatenate([start, -a * at_p - b * at_q, at_p, at_q], axis=1)
+
+
+def _second_angle_derivatives(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
+    """Of the fold angles by the coordinates of the four vertices, shape (nh, 12, 12)."""
+    e, p, q = _hinge_sides(coords, hinges_vertices)
+    # derivatives of e, p, q by the twelve coordinates
+    eye = np.eye(3)
+    none = np.zeros((3, 3))
+    de = np.concatenate([-eye, eye, none, none], axis=1)
+    dp = np.concatenate([-eye, none, eye, none], axis=1)
+    dq = np.concatenate([-eye, none, none, eye], axis=1)
+    length = norm(e)
+    square = dot(e, e)
+    parts, second = [], []
+    for corner, dcorner, sign in ((p, dp, 1.0), (q, dq, -1.0)):
+        normal = sign * cross(e, corner)
+        dnormal = sign * (_crossed(e) @ dcorner - _crossed(corner) @ de)
+        area = dot(normal, normal)[:, None]
+        part = length[:, None] * normal / area
+        direction = normal / np.sqrt(area)
+        flipped = eye - 2 * direction[:, :, None] * direction[:, None, :]
+        dlength = (e / length[:, None]) @ de
+        dpart = (normal / area)[:, :, None] * dlength[:, None, :]
+        dpart += (length / area[:, 0])[:, None, None] * (flipped @ dnormal)
+        ratio = dot(corner, e) / square
+        dratio = (e @ dcorner + corner @ de - 2 * ratio[:, None] * (e @ de)) / square[:, None]
+        parts.append(dpart)
+        second.append(
+            (
+                -(1 - ratio)[:, None, None] * dpart + part[:, :, None] * dratio[:, None, :],
+                -ratio[:, None, None] * dpart - part[:, :, None] * dratio[:, None, :],
+            )
+        )
+    start = second[0][0] + second[1][0]
+    end = second[0][1] + second[1][1]
+    out = np.concatenate([start, end, *parts], axis=1)
+    return np.asarray((out + out.swapaxes(1, 2)) / 2)
+
+
+def _crossed(v: FloatArray) -> FloatArray:
+    """Matrices that multiply by v x, shape (n, 3, 3)."""
+    out = np.zeros((len(v), 3, 3))
+    out[:, [2, 0, 1], [1, 2, 0]] = v
+    out[:, [1, 2, 0], [2, 0, 1]] = -v
+    return out
+
+
+def _triangles(
+    coords: FloatArray, corners: IntArray, offsets: IntArray
+) -> tuple[IntArray, IntArray]:
+    triangles, faces = [], []
+    for face, rings in by_size(corners, offsets):
+        cut = cap_triangles(coords[rings][..., :2])
+        triangles.append(np.take_along_axis(rings[:, None, :], cut, axis=2).reshape(-1, 3))
+        faces.append(np.repeat(face, cut.shape[1]))
+    vertices, face = np.concatenate(triangles), np.concatenate(faces)
+    order = np.argsort(face, kind="stable")
+    vertices, face = vertices[order], face[order]
+    twice = cross(
+        coords[vertices[:, 1]] - coords[vertices[:, 0]],
+        coords[vertices[:, 2]] - coords[vertices[:, 0]],
+    )[:, 2]
+    flat = np.flatnonzero(~(twice > 0))
+    if len(flat):
+        raise InvalidValue(
+            f"face {face[flat[0]]}",
+            "without area in one of its triangles",
+            "have area",
+            "Merge corners that lie on each other, or remove the face.",
+        )
+    return vertices, face

@@ -1,0 +1,78 @@
+"""How is a mesh of polygons read from, and written to, an OBJ file?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from fab.errors import InvalidFile
+from fab.outputs import plain_title
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["ObjMesh", "obj_bytes", "read_obj"]
+
+
+@dataclass(frozen=True)
+class ObjMesh:
+    """Points and faces of an OBJ file; its normals, textures, groups and lines are passed over.
+
+    Attributes
+    ----------
+    vertices_coords : shape (nv, 3).
+    faces_vertices : corners of each face, from 0.
+    """
+
+    vertices_coords: FloatArray
+    faces_vertices: list[list[int]]
+
+
+def read_obj(path: Path) -> ObjMesh:
+    """Read an OBJ file with all its polygons as they are.
+
+    Raises `InvalidFile` with the line for what cannot be read, and for points that are not finite.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
+    except OSError as error:
+        raise InvalidFile(f"{path}: cannot be read: {error.strerror}. Check the path.") from error
+    points: list[list[float]] = []
+    faces: list[list[int]] = []
+    for number, line in enumerate(lines, 1):
+        key, *words = line.split() or [""]
+        try:
+            if key == "v":
+                points.append([float(word) for word in words[:3]])
+                if len(points[-1]) != 3 or not np.isfinite(points[-1]).all():
+                    raise ValueError
+            elif key == "f":
+                faces.append([_corner(word, len(points)) for word in words])
+        except ValueError:
+            what = {"v": "a point needs 3 finite numbers", "f": "a face needs numbers of points"}
+            raise InvalidFile(
+                f"{path}: line {number}: {what[key]}, not {line.strip()[:60]!r}. Export it again."
+            ) from None
+    if not faces:
+        raise InvalidFile(f"{path}: no faces. Export the mesh with its faces (lines f).")
+    return ObjMesh(np.array(points).reshape(-1, 3), faces)
+
+
+def _corner(word: str, count: int) -> int:
+    """Vertex from 0 of such as 3, 3/1, 3//2 or -1, the last one so far."""
+    number = int(word.partition("/")[0])
+    if number == 0:
+        raise ValueError(word)
+    return number - 1 if number > 0 else count + number
+
+
+def obj_bytes(
+    vertices_coords: FloatArray, faces_vertices: IntArray, faces_offsets: IntArray, title: str
+) -> bytes:
+    """The OBJ file, all digits of the points, shape (nv, 3), and polygons of any size."""
+    lines = [f"# {plain_title(title)}"]
+    lines += ["v " + " ".join(map(repr, point)) for point in vertices_coords.tolist()]
+    corners = (faces_vertices + 1).tolist()
+    lines += ["f " + " ".join(map(str, corners[i:j])) for i, j in pairwise(faces_offsets.tolist())]
+    return ("\n".join(lines) + "\n").encode()

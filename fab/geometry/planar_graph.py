@@ -1,0 +1,177 @@
+"""Which faces do lines in the plane enclose, and where do lines cross or lie on each other?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fab.geometry.rings import ring_areas
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["enclosed_faces", "first_abutting", "first_crossing", "without_dangling"]
+
+_CHUNK = 100_000
+
+
+def without_dangling(edges_vertices: IntArray) -> BoolArray:
+    """Which edges are left when edges with a free end are taken away, again and again, (ne,)."""
+    kept = np.ones(len(edges_vertices), bool)
+    while kept.any():
+        degree = np.bincount(edges_vertices[kept].ravel(), minlength=int(edges_vertices.max()) + 1)
+        free = kept & (degree[edges_vertices] == 1).any(axis=1)
+        if not free.any():
+            break
+        kept &= ~free
+    return kept
+
+
+def enclosed_faces(
+    vertices_coords: FloatArray, edges_vertices: IntArray
+) -> tuple[IntArray, IntArray]:
+    """All bounded faces of a planar graph, counterclockwise: corners and offsets.
+
+    Each edge is walked once in either direction; at its end the walk goes on along the next edge
+    clockwise from the one it came by, so that the face stays on its left (Muller and Preparata
+    1978, doubly connected edge lists). Walks around a whole component run clockwise and are left
+    out. Edges must not cross; edges with a free end make a face pass its vertices twice.
+    """
+    start = edges_vertices.T.ravel()
+    end = edges_vertices[:, ::-1].T.ravel()
+    count = len(start)
+    if not count:
+        return np.empty(0, np.int64), np.zeros(1, np.int64)
+    twin = np.roll(np.arange(count), count // 2)
+    along = vertices_coords[end] - vertices_coords[start]
+    order = np.lexsort((np.arctan2(along[:, 1], along[:, 0]), start))
+    place = np.empty(count, np.int64)
+    place[order] = np.arange(count)
+    first = np.searchsorted(start[order], np.arange(len(vertices_coords)))
+    last = np.searchsorted(start[order], np.arange(len(vertices_coords)), "right") - 1
+    back = place[twin]  # where the way back stands among the edges of the end
+    following = order[np.where(back == first[end], last[end], back - 1)].tolist()
+    seen = np.zeros(count, bool).tolist()
+    walks: list[int] = []
+    offsets = [0]
+    for begin in range(count):
+        if seen[begin]:
+            continue
+        step = begin
+        while not seen[step]:
+            seen[step] = True
+            walks.append(step)
+            step = following[step]
+        offsets.append(len(walks))
+    corners, bounds = start[walks], np.array(offsets)
+    bounded = ring_areas(vertices_coords[corners], bounds) > 0
+    sizes = np.diff(bounds)
+    return corners[np.repeat(bounded, sizes)], np.concatenate([[0], np.cumsum(sizes[bounded])])
+
+
+def first_crossing(
+    vertices_coords: FloatArray,
+    edges_vertices: IntArray,
+    tolerance: float,
+    may_touch: BoolArray,
+) -> tuple[int, int, FloatArray] | None:
+    """Two edges that meet elsewhere than in a common vertex, and a point where; None if none do.
+
+    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); of two such edges,
+    ends may lie on the other edge, or both on each other (the lips of a slit); they must not cross.
+    """
+    ends = vertices_coords[edges_vertices]
+    for one, two in _near(ends, tolerance):
+        found = _meeting(ends, edges_vertices, one, two, tolerance, may_touch)
+        if found is not None:
+            return found
+    return None
+
+
+def first_abutting(
+    vertices_coords: FloatArray,
+    edges_vertices: IntArray,
+    tolerance: float,
+    may_touch: BoolArray,
+) -> tuple[int, int, FloatArray] | None:
+    """Two edges that run along each other in opposite directions, and a point where; None if none.
+
+    Of faces that are counterclockwise, and wind these edges, one lies on either side. Edges that
+    turn away from each other, or meet end to end, do not abut.
+
+    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); two such edges may
+    abut.
+    """
+    ends = vertices_coords[edges_vertices]
+    for one, two in _near(ends, tolerance):
+        checked = ~(may_touch[one] & may_touch[two])
+        one, two = one[checked], two[checked]
+        (a, b), (c, d) = ends[one].swapaxes(0, 1), ends[two].swapaxes(0, 1)
+        length = np.hypot(*(b - a).T)
+        along = (b - a) / length[:, None]
+        level = np.abs([_off(a, b, c), _off(a, b, d)]).max(axis=0) <= tolerance
+        level |= np.abs([_off(c, d, a), _off(c, d, b)]).max(axis=0) <= tolerance
+        # where the second edge begins and ends along the first, in length; it runs back
+        start, end = ((c - a) * along).sum(axis=1), ((d - a) * along).sum(axis=1)
+        low = np.maximum(end, 0)
+        common = np.minimum(start, length) - low
+        found = np.flatnonzero(level & (common > tolerance))
+        if len(found):
+            k = int(found[0])
+            middle = low[k] + common[k] / 2
+            return int(one[k]), int(two[k]), a[k] + middle * along[k]
+    return None
+
+
+def _near(ends: FloatArray, tolerance: float) -> Iterator[tuple[IntArray, IntArray]]:
+    """Pairs of edges whose boxes come nearer than the tolerance, many at a time, first < second."""
+    import shapely
+
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    boxes = shapely.box(*(ends.min(axis=1) - tolerance).T, *(ends.max(axis=1) + tolerance).T)
+    for begin in range(0, len(ends), _CHUNK):
+        one, two = tree.query(boxes[begin : begin + _CHUNK])
+        one = one + begin
+        yield one[one < two], two[one < two]
+
+
+def _meeting(
+    ends: FloatArray,
+    edges_vertices: IntArray,
+    one: IntArray,
+    two: IntArray,
+    tolerance: float,
+    may_touch: BoolArray,
+) -> tuple[int, int, FloatArray] | None:
+    a, b = ends[one].swapaxes(0, 1)
+    c, d = ends[two].swapaxes(0, 1)
+    sides = [_off(a, b, c), _off(a, b, d), _off(c, d, a), _off(c, d, b)]
+    apart = np.min([np.abs(side) for side in sides], axis=0) > tolerance
+    crosses = apart & (sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0)
+    touching = ~(may_touch[one] & may_touch[two])
+    for (p, q), others, ours, point in (
+        ((a, b), edges_vertices[one], edges_vertices[two, 0], c),
+        ((a, b), edges_vertices[one], edges_vertices[two, 1], d),
+        ((c, d), edges_vertices[two], edges_vertices[one, 0], a),
+        ((c, d), edges_vertices[two], edges_vertices[one, 1], b),
+    ):
+        shared = (others == ours[:, None]).any(axis=1)
+        on = touching & ~shared & (np.abs(_off(p, q, point)) <= tolerance)
+        span = q - p
+        length = np.hypot(*span.T)
+        along = ((point - p) * span).sum(axis=1) / length
+        on &= (along >= -tolerance) & (along <= length + tolerance)
+        if on.any():
+            k = int(np.argmax(on))
+            return int(one[k]), int(two[k]), point[k]
+    if crosses.any():
+        k = int(np.argmax(crosses))
+        share = sides[2][k] / (sides[2][k] - sides[3][k])
+        return int(one[k]), int(two[k]), a[k] + share * (b[k] - a[k])
+    return None
+
+
+def _off(p: FloatArray, q: FloatArray, points: FloatArray) -> FloatArray:
+    """Signed distance of points from the lines through p and q, positive on the left."""
+    span, to = q - p, points - p
+    out: FloatArray = (span[:, 0] * to[:, 1] - span[:, 1] * to[:, 0]) / np.hypot(*span.T)
+    return out

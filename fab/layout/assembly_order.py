@@ -1,0 +1,38 @@
+"""In which order are the pieces of a sheet put together?"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order
+
+from solver.vectors import IntArray
+
+__all__ = ["assembly_order", "piece_name"]
+
+
+def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
+    """Pieces in the order of assembling, outwards from the first, and the rank of each.
+
+    pairs : shape (n, 2), neighbours among `count` pieces; a piece is no neighbour of its own.
+    """
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    rank = np.full(count, -1)
+    order: list[int] = []
+    for first in range(count):
+        if rank[first] < 0:
+            reached = breadth_first_order(graph, first, directed=False, return_predecessors=False)
+            rank[reached] = len(order) + np.arange(len(reached))
+            order += reached.tolist()
+    return np.array(order), rank
+
+
+def piece_name(number: int) -> str:
+    """The letters of a piece: A, B, ... Z, AA, AB, ..."""
+    name = ""
+    number += 1
+    while number:
+        number, letter = divmod(number - 1, 26)
+        name = chr(ord("A") + letter) + name
+    return name

@@ -1,0 +1,456 @@
+"""Where does each piece lie, and on which sheet of the bed's size?
+
+Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons, a batch at
+a time: what it takes goes with the square of all corners in it. What it answers is checked here;
+where it does not hold, boxes side by side, or one piece alone, do. What is left may lie in the gaps
+between (`fab.gaps`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+import u_nesting
+
+from fab.layout.gap_filling import Gaps
+from solver.errors import InvalidValue, require_count, require_number, require_positive
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["Placement", "Placements", "nest"]
+
+# Gaps and borders may fall short by the rounding of coordinates, in mm.
+_ROUNDING_MM = 1e-9
+# No-fit polygons of concave outlines cost the square of their corners.
+_MOST_CORNERS = 20
+# A piece that fills so much of its convex hull is placed as its hull.
+_NEARLY_CONVEX = 0.95
+# What is offered to a sheet at once, in areas of the sheet: more fills its gaps, and takes longer.
+_OFFERED = 1.1
+# Corners of a batch: it takes a second or two. More use the bed better, by the bench 3 % from 320
+# to 640.
+_BATCH_CORNERS = 480
+# Up to so many pieces a batch is worth a search, of so many rounds.
+_SEARCHED = 16
+_ITERATIONS = 10
+# About so many pieces are tried in the gaps of a sheet; each takes some 30 ms.
+_TRIED = 100
+# Boxes turned by less, in degrees, are the same box.
+_SAME_TURN_DEG = 1e-4
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where one copy of a piece lies: its point p at turn @ p + shift on the sheet, in mm.
+
+    Attributes
+    ----------
+    piece, copy, sheet : counted from 0.
+    turn : rotation, shape (2, 2). shift : shape (2,). Read-only.
+    """
+
+    piece: int
+    copy: int
+    sheet: int
+    turn: FloatArray
+    shift: FloatArray
+
+    def __post_init__(self) -> None:
+        self.turn.flags.writeable = False
+        self.shift.flags.writeable = False
+
+
+@dataclass(frozen=True)
+class Placements:
+    """All copies of all pieces on their sheets.
+
+    Attributes
+    ----------
+    items : sorted by sheet, piece and copy.
+    used : share of the bed that pieces cover on each sheet, shape (number of sheets,), falling.
+    """
+
+    items: tuple[Placement, ...]
+    used: FloatArray
+
+    def __post_init__(self) -> None:
+        self.used.flags.writeable = False
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """A piece with the turns it may take, and the shape that stands for it.
+
+    Attributes
+    ----------
+    turns_deg, turns : four angles a quarter turn apart, and their matrices, shapes (4,) and
+        (4, 2, 2). In the first the piece's box fits the room.
+    box : the piece's box in the first turn.
+    envelope : a polygon of few corners, without holes, around the piece.
+    """
+
+    outline: shapely.Polygon
+    turns_deg: FloatArray
+    turns: FloatArray
+    box: shapely.Polygon
+    envelope: shapely.Polygon
+
+
+@dataclass(frozen=True)
+class _Spot:
+    """A piece, the matrix that turns it, and its shift."""
+
+    piece: int
+    turn: FloatArray
+    shift: FloatArray
+
+
+# What was placed of how many of each piece in a rectangle of which size, or between what: sheets
+# repeat.
+_Known = dict[tuple[bytes, bytes], list[_Spot]]
+
+
+def nest(
+    outlines: Sequence[shapely.Polygon | FloatArray],
+    bed_mm: tuple[float, float],
+    gap_mm: float,
+    copies: int = 1,
+    margin_mm: float = 0.0,
+    progress: Callable[[int, int], None] | None = None,
+) -> Placements:
+    """Place `copies` of every piece on as few sheets as a greedy filling needs.
+
+    Pieces turn by multiples of 90 degrees from where their box is least, or from where they are if
+    they fit the bed only so. Each sheet takes the largest pieces left, batch by batch from its
+    lower left corner; the sheet used least is the last. Holes stay empty. The same pieces give the
+    same placements. The cost goes with the number of pieces, copies of full sheets are free.
+
+    Parameters
+    ----------
+    outlines : polygons as they are cut (kerf included), holes allowed; or corners, shape (m, 2).
+    gap_mm : least distance of two pieces. margin_mm : least distance from the bed's edges.
+    progress : called after each batch with the number of pieces placed and of all.
+
+    Raises `InvalidValue` for an outline that crosses itself and for a piece that does not fit the
+    bed in any of its turns.
+    """
+    room = _room(bed_mm, margin_mm)
+    require_positive("gap_mm", gap_mm, "Pieces that touch would be cut along one line twice.")
+    require_count("copies", copies, 1, "Cut at least one of each piece.")
+    pieces = [_piece(number, outline, room) for number, outline in enumerate(outlines)]
+    area = np.array([piece.outline.area for piece in pieces])
+    order = np.argsort(-area, kind="stable")
+    left = np.full(len(pieces), copies)
+    total = int(left.sum())
+
+    def tell() -> None:
+        if progress is not None:
+            progress(total - int(left.sum()), total)
+
+    known: _Known = {}
+    filled: list[list[_Spot]] = []
+    while left.any():
+        filled.append(_sheet(pieces, order, left, room, gap_mm, known, tell))
+    used = np.array([area[[spot.piece for spot in spots]].sum() for spots in filled])
+    by_use = np.argsort(-used, kind="stable")
+    items: list[Placement] = []
+    seen = [0] * len(pieces)
+    for sheet, number in enumerate(by_use.tolist()):
+        for spot in sorted(filled[number], key=lambda s: (s.piece, s.shift[1], s.shift[0])):
+            shift = spot.shift + margin_mm
+            items.append(Placement(spot.piece, seen[spot.piece], sheet, spot.turn.copy(), shift))
+            seen[spot.piece] += 1
+    return Placements(tuple(items), used[by_use] / (bed_mm[0] * bed_mm[1]))
+
+
+def _room(bed_mm: tuple[float, float], margin_mm: float) -> FloatArray:
+    """Width and height between the margins."""
+    for side in bed_mm:
+        require_positive("bed_mm", side)
+    require_number("margin_mm", margin_mm)
+    if not 0 <= margin_mm < min(bed_mm) / 2:
+        bound = f"lie from 0 to less than half the bed's shorter side ({min(bed_mm) / 2:g} mm)"
+        raise InvalidValue("margin_mm", margin_mm, bound, "Lower the margin or use a larger bed.")
+    return np.array(bed_mm, float) - 2 * margin_mm
+
+
+def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray) -> _Piece:
+    polygon = shapely.Polygon(outline)
+    if not (polygon.is_valid and polygon.area > 0):
+        raise InvalidValue(
+            f"outline {number}",
+            "without area" if polygon.is_valid else shapely.is_valid_reason(polygon),
+            "be a polygon with area that does not cross itself",
+            "Split the piece where it overlaps itself.",
+        )
+    upright = [0.0, *_box_turns_deg(polygon)]
+    turns_deg = (np.array(upright)[:, None] + np.arange(4) * 90.0).ravel()
+    turns = np.array([_rotation(angle) for angle in turns_deg])
+    turned = shapely.get_coordinates(polygon.exterior) @ turns.swapaxes(1, 2)
+    boxes = np.stack([turned.min(axis=1), turned.max(axis=1)], axis=1)
+    size = boxes[:, 1] - boxes[:, 0]
+    area = size.prod(axis=1)
+    fit = np.flatnonzero((size <= room + _ROUNDING_MM).all(axis=1))
+    if not len(fit):
+        width, height = size[np.argmin(area)]
+        raise InvalidValue(
+            f"size of piece {number}",
+            f"{width:.6g} x {height:.6g} mm",
+            f"fit between the bed's margins, {room[0]:.6g} x {room[1]:.6g} mm, as it lies or "
+            "turned",
+            "Split it into pieces, scale it down, lower the margin or use a larger bed.",
+        )
+    first = int(fit[area[fit] <= area[fit].min() * (1 + 1e-9)][0])
+    four = first // 4 * 4 + (first + np.arange(4)) % 4
+    low, high = boxes[first]
+    return _Piece(
+        polygon, turns_deg[four], turns[four], shapely.box(*low, *high), _envelope(polygon)
+    )
+
+
+def _rotation(angle_deg: float) -> FloatArray:
+    """The matrix of a rotation; exact where it is a multiple of 90 degrees."""
+    whole, rest = divmod(angle_deg, 90.0)
+    c, s = np.cos(np.radians(rest)), np.sin(np.radians(rest))
+    quarter = np.linalg.matrix_power(np.array([[0.0, -1.0], [1.0, 0.0]]), int(whole) % 4)
+    out: FloatArray = quarter @ np.array([[c, -s], [s, c]])
+    return out
+
+
+def _box_turns_deg(polygon: shapely.Polygon) -> list[float]:
+    """The turn in (0, 90) degrees that lays the box of least area onto the axes, if any does."""
+    corner = shapely.get_coordinates(shapely.oriented_envelope(polygon))
+    side = corner[1] - corner[0]
+    turn = float(-np.degrees(np.arctan2(side[1], side[0])) % 90.0)
+    return [turn] if _SAME_TURN_DEG < turn < 90 - _SAME_TURN_DEG else []
+
+
+def _envelope(polygon: shapely.Polygon) -> shapely.Polygon:
+    """A polygon without holes and with few corners that contains the piece."""
+    filled = shapely.Polygon(polygon.exterior)
+    hull = filled.convex_hull
+    shape = hull if filled.area >= _NEARLY_CONVEX * hull.area else filled
+    tolerance = 1e-3 * float(np.hypot(*np.ptp(shapely.get_coordinates(filled), axis=0)))
+    around = shape
+    while len(around.exterior.coords) > _MOST_CORNERS + 1:
+        try:
+            coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
+        except shapely.GEOSException:  # needles send mitres beyond all numbers
+            return hull
+        if not isinstance(coarse, shapely.Polygon):  # a thread of a piece, torn by rounding
+            return hull
+        around = shapely.Polygon(coarse.exterior).simplify(0.0)
+        tolerance *= 1.2
+    return around if around.contains(filled) or around is shape else hull
+
+
+def _sheet(
+    pieces: list[_Piece],
+    order: IntArray,
+    left: IntArray,
+    room: FloatArray,
+    gap_mm: float,
+    known: _Known,
+    tell: Callable[[], None],
+) -> list[_Spot]:
+    """One sheet, what lies on it taken from those that are left.
+
+    Each batch lies in the larger of the two rectangles that the one before left free, beside it or
+    above. The first that is not placed whole is the last. Then come the gaps between all that lies.
+    """
+    spots: list[_Spot] = []
+    corner, free = np.zeros(2), room
+    while (offered := _offer(pieces, order, left, free)).any():
+        key = offered.tobytes(), free.tobytes()
+        if key not in known:
+            known[key] = _fill(pieces, offered, free, gap_mm)
+        batch = known[key]
+        spots += [replace(spot, shift=spot.shift + corner) for spot in batch]
+        left -= np.bincount([spot.piece for spot in batch], minlength=len(pieces))
+        tell()
+        if len(batch) < offered.sum():
+            break
+        taken = shapely.total_bounds(np.array(_lying(pieces, batch)))[2:] + gap_mm
+        rest = np.maximum(free - taken, 0.0)
+        axis = int(rest[1] * free[0] > rest[0] * free[1])
+        corner, free = corner.copy(), free.copy()
+        corner[axis] += taken[axis]
+        free[axis] = rest[axis]
+    if left.any():
+        area = np.array([piece.outline.area for piece in pieces])
+        free_area = room.prod() - area[[spot.piece for spot in spots]].sum()
+        offered = np.minimum(left, (free_area / area).astype(int))
+        lying = np.array([[spot.piece, *spot.turn.ravel(), *spot.shift] for spot in spots])
+        key = offered.tobytes(), lying.tobytes()
+        if key not in known:
+            known[key] = _between(pieces, order, offered, room, gap_mm, spots)
+        more = known[key]
+        left -= np.bincount([spot.piece for spot in more], minlength=len(pieces))
+        spots += more
+        if more:
+            tell()
+    return spots
+
+
+def _between(
+    pieces: list[_Piece],
+    order: IntArray,
+    left: IntArray,
+    room: FloatArray,
+    gap_mm: float,
+    spots: list[_Spot],
+) -> list[_Spot]:
+    """What lies in the gaps of a sheet of those pieces that are left, the largest first.
+
+    Where there are many of them, some of every size are tried.
+    """
+    filled = [shapely.Polygon(shape.exterior) for shape in _lying(pieces, spots)]
+    gaps = Gaps(filled, room, gap_mm)
+    more = []
+    some = order[left[order] > 0]
+    for number in some[:: 1 + len(some) // _TRIED].tolist():
+        turns = pieces[number].turns
+        turned = _lying(pieces, [_Spot(number, turn, np.zeros(2)) for turn in turns])
+        for _ in range(left[number]):
+            place = gaps.place(turned)
+            if place is None:
+                break
+            more.append(_Spot(number, turns[place[0]], place[1]))
+    return more
+
+
+def _offer(pieces: list[_Piece], order: IntArray, left: IntArray, free: FloatArray) -> IntArray:
+    """How many of each piece to offer to a rectangle: the largest that are left and lie there."""
+    open_area, open_corners = _OFFERED * float(free.prod()), _BATCH_CORNERS
+    offered = np.zeros_like(left)
+    for number in order[left[order] > 0].tolist():
+        piece = pieces[number]
+        if open_area <= 0:
+            break
+        if _turn_that_fits(piece, free) is None:
+            continue
+        corners = len(piece.envelope.exterior.coords) - 1
+        if offered.any() and corners > open_corners:
+            break
+        most = min(int(np.ceil(open_area / piece.envelope.area)), max(open_corners // corners, 1))
+        offered[number] = min(left[number], most)
+        open_area -= offered[number] * piece.envelope.area
+        open_corners -= offered[number] * corners
+    return offered
+
+
+def _turn_that_fits(piece: _Piece, free: FloatArray) -> int | None:
+    """The first turn in which a piece's box lies in a rectangle."""
+    low_x, low_y, high_x, high_y = piece.box.bounds
+    size = np.array([high_x - low_x, high_y - low_y])
+    for turn, box in enumerate((size, size[::-1])):
+        if (box <= free + _ROUNDING_MM).all():
+            return turn
+    return None
+
+
+def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: float) -> list[_Spot]:
+    """One batch: the answer that covers most of those that hold, the largest piece alone at least.
+
+    Outlines side by side ("nfp"), boxes side by side ("blf"), and, where not all lie there yet and
+    they are few, a search over orders and turns of the outlines ("alns").
+    """
+
+    def covered(spots: list[_Spot]) -> float:
+        return float(sum(pieces[spot.piece].outline.area for spot in spots))
+
+    numbers = np.flatnonzero(offered).tolist()
+    largest = max(numbers, key=lambda n: pieces[n].outline.area)
+    turn = _turn_that_fits(pieces[largest], room) or 0
+    best = [_Spot(largest, pieces[largest].turns[turn], np.zeros(2))]
+    for strategy in ("nfp", "blf", "alns"):
+        if len(best) == offered.sum() or (strategy == "alns" and offered.sum() > _SEARCHED):
+            break
+        boxes = strategy == "blf"
+        wanted = [
+            (
+                n,
+                piece.box if boxes else piece.envelope,
+                piece.turns_deg - boxes * piece.turns_deg[0],
+            )
+            for n, piece in ((n, pieces[n]) for n in numbers)
+        ]
+        spots = [
+            _Spot(n, pieces[n].turns[turn], shift)
+            for n, turn, shift in _solve(wanted, offered, strategy, room, gap_mm)
+        ]
+        if covered(spots) > covered(best) and _holds(pieces, spots, room, gap_mm):
+            best = spots
+    return _to_corner(pieces, best)
+
+
+def _solve(
+    wanted: list[tuple[int, shapely.Polygon, FloatArray]],
+    offered: IntArray,
+    strategy: str,
+    room: FloatArray,
+    gap_mm: float,
+) -> list[tuple[int, int, FloatArray]]:
+    """Piece, number of its turn and shift of all that fits on one sheet; empty where refused.
+
+    wanted : piece, its shape and the angles that it may take, in degrees.
+    """
+    settings = {"strategy": strategy, "spacing": float(gap_mm), "time_limit_ms": 0}
+    if strategy == "alns":
+        settings |= {"seed": 1, "max_iterations": _ITERATIONS}
+    result = u_nesting.solve_2d(
+        [
+            {
+                "id": str(number),
+                "polygon": shapely.get_coordinates(shape.exterior)[:-1].tolist(),
+                "rotations": turns_deg.tolist(),
+                "quantity": int(offered[number]),
+            }
+            for number, shape, turns_deg in wanted
+        ],
+        {"width": float(room[0]), "height": float(room[1])},
+        settings,
+    )
+    angles = {number: turns_deg for number, _, turns_deg in wanted}
+    return [
+        (
+            number,
+            _nearest_turn(np.degrees(at["rotation"][0]), angles[number]),
+            np.array(at["position"]),
+        )
+        for at in result["placements"]
+        for number in [int(at["geometry_id"])]
+    ]
+
+
+def _nearest_turn(angle_deg: float, turns_deg: FloatArray) -> int:
+    return int(np.argmin(np.abs((turns_deg - angle_deg + 180.0) % 360.0 - 180.0)))
+
+
+def _lying(pieces: list[_Piece], spots: list[_Spot]) -> list[shapely.Polygon]:
+    return [
+        shapely.transform(
+            pieces[spot.piece].outline, lambda p, spot=spot: p @ spot.turn.T + spot.shift
+        )
+        for spot in spots
+    ]
+
+
+def _holds(pieces: list[_Piece], spots: list[_Spot], room: FloatArray, gap_mm: float) -> bool:
+    """Whether all gaps are kept and everything fits into the room, wherever in it it lies."""
+    lying = _lying(pieces, spots)
+    bounds = shapely.total_bounds(np.array(lying))
+    if (bounds[2:] - bounds[:2] > room + _ROUNDING_MM).any():
+        return False
+    near = shapely.STRtree(lying).query(
+        lying, predicate="dwithin", distance=gap_mm - min(_ROUNDING_MM, gap_mm / 2)
+    )
+    return bool((near[0] == near[1]).all())
+
+
+def _to_corner(pieces: list[_Piece], spots: list[_Spot]) -> list[_Spot]:
+    """All moved together so that they touch the lower and the left border of the room."""
+    low = shapely.total_bounds(np.array(_lying(pieces, spots)))[:2]
+    return [_Spot(spot.piece, spot.turn, spot.shift - low) for spot in spots]

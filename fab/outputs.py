@@ -1,0 +1,155 @@
+"""Files and reports of a run: how they are named, listed and written."""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import hashlib
+import io
+import json
+import os
+import re
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fab.errors import Finding, InvalidJob, Severity
+from solver.vectors import FloatArray
+
+__all__ = [
+    "Made",
+    "box_mm",
+    "file_names",
+    "left_over",
+    "plain_title",
+    "require_folder",
+    "with_report",
+    "write",
+    "zip_bytes",
+]
+
+
+# What helps where files cannot be written.
+_CURES = {
+    errno.ENAMETOOLONG: "Give the file that they are made from, or --out, a shorter name.",
+    errno.ENOSPC: "Free some space, or choose another --out.",
+    errno.EDQUOT: "Free some space, or choose another --out.",
+}
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a job made: files by name, and the report that goes with them."""
+
+    files: Mapping[str, bytes]
+    report: Mapping[str, Any]
+    findings: tuple[Finding, ...]
+
+    @property
+    def within_tolerance(self) -> bool:
+        """Whether no finding is an error."""
+        return all(finding.severity != Severity.ERROR for finding in self.findings)
+
+
+def with_report(
+    files: Mapping[str, bytes], name: str, report: Mapping[str, Any], findings: Sequence[Finding]
+) -> Made:
+    """Files and their report, the last of them: what is told, then all files and findings."""
+    listed = [
+        {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+        for file, data in files.items()
+    ]
+    told = [dataclasses.asdict(finding) for finding in findings]
+    report = {**report, "outputs": listed, "findings": told}
+    data = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
+    return Made({**files, name: data}, report, tuple(findings))
+
+
+def box_mm(coords: FloatArray) -> list[float]:
+    """Sides of the box around points, rounded to 1e-6 mm."""
+    return [round(float(side), 6) for side in coords.max(axis=0) - coords.min(axis=0)]
+
+
+def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
+    """What files of some formats are called, with plates or without."""
+    return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
+
+
+def left_over(files: Iterable[str], kind: re.Pattern[str], folder: Path) -> list[Path]:
+    """What a folder has of a kind that is not among `files`: that of an earlier run."""
+    present = sorted(folder.iterdir()) if folder.is_dir() else []
+    made = set(files)
+    return [path for path in present if kind.fullmatch(path.name) and path.name not in made]
+
+
+def require_folder(folder: Path) -> None:
+    """Raise `InvalidJob` unless `folder` is a writable folder, or can become one."""
+    try:
+        existing = next(p for p in [folder, *folder.absolute().parents] if p.exists())
+    except OSError as error:
+        raise _unwritten(folder, error) from error
+    if not existing.is_dir():
+        raise InvalidJob(f"{folder}: {existing} is a file, not a folder. Choose another --out.")
+    if not os.access(existing, os.W_OK | os.X_OK):
+        raise InvalidJob(f"{folder}: no permission to write in {existing}. Choose another --out.")
+
+
+def _unwritten(folder: Path, error: OSError) -> InvalidJob:
+    cure = _CURES.get(error.errno or 0, "Choose another --out.")
+    why = error.strerror or error
+    return InvalidJob(f"{folder}: cannot be written: {why}. No half file was left. {cure}")
+
+
+def write(made: Made, folder: Path) -> None:
+    """Write all files of a job into `folder`, made if need be.
+
+    Every file is written in full beside its place before any is renamed, so an interrupted run
+    leaves no half file under a final name. Raises `InvalidJob` where the folder cannot take them.
+    """
+    require_folder(folder)
+    fresh = [p for p in [folder, *folder.absolute().parents] if not p.exists()]
+    beside: Path | None = None
+    try:
+        for name in made.files:
+            if (folder / name).is_dir():
+                raise InvalidJob(f"{folder / name} is a folder. Move it, or choose another --out.")
+        folder.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=".quadfold-", dir=folder))
+        for name, data in made.files.items():
+            (beside / name).write_bytes(data)
+        for name in made.files:
+            (beside / name).replace(folder / name)
+        fresh = []
+    except OSError as error:
+        raise _unwritten(folder, error) from error
+    finally:
+        if beside is not None:
+            shutil.rmtree(beside, ignore_errors=True)
+        for made_folder in fresh:
+            if made_folder.is_dir() and not any(made_folder.iterdir()):
+                made_folder.rmdir()
+
+
+def plain_title(text: str) -> str:
+    """The text with "_" for everything that cannot be printed.
+
+    Those are control characters (XML has no way to write them), bytes of a file name that are not
+    text, marks that turn the direction of reading, and line breaks.
+    """
+    return "".join(letter if letter.isprintable() else "_" for letter in text)
+
+
+def zip_bytes(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive of files by name, in their order, without dates."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as package:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            package.writestr(entry, data)
+    return stream.getvalue()

@@ -1,0 +1,24 @@
+"""Which colour does each body of a thick sheet have in CAD programs and slicers?"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from fab.panels.thick_sheet import ThickSheet
+
+__all__ = ["FILM", "HINGE", "PANEL", "Rgb", "body_colours"]
+
+Rgb: TypeAlias = tuple[float, float, float]
+
+PANEL: Rgb = (0.85, 0.82, 0.75)
+FILM: Rgb = (0.5, 0.5, 0.5)
+HINGE: dict[str, Rgb] = {"M": (0.85, 0.2, 0.2), "V": (0.2, 0.35, 0.85)}
+
+
+def body_colours(sheet: ThickSheet) -> list[Rgb]:
+    """Red, green and blue, 0 to 1, of every body: of hinges by mountain and valley."""
+    letters = sheet.pattern.edges_assignment
+    return [
+        PANEL if not soft else HINGE.get(str(letters[edge]), FILM) if edge >= 0 else FILM
+        for soft, edge in zip(sheet.flexible.tolist(), sheet.creases.tolist(), strict=True)
+    ]

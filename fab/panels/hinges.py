@@ -1,0 +1,197 @@
+"""What joins two panels along their crease, and how far must they stay away for it?
+
+Four kinds: a `web`, a thin strip across the gap (`fab.webs`); a `knuckle`, barrels of both panels
+around a pin, printed in place (`fab.knuckles`); a `film` below all panels (`fab.film`); `none`.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from fab.errors import InvalidJob
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.setbacks import Setbacks, setbacks
+from fab.pattern.crease_pattern import CreasePattern
+from fab.settings import Settings
+from solver.vectors import FloatArray
+
+__all__ = [
+    "HingeKind",
+    "HingeSettings",
+    "barrel_radius_mm",
+    "crease_kinds",
+    "heights_and_setbacks",
+    "heights_over_axes_mm",
+    "hinge_setbacks",
+    "hole_radius_mm",
+]
+
+HingeKind: TypeAlias = Literal["web", "knuckle", "film", "none"]
+
+# Pins and holes are printed as prisms with so many sides; pins lie within their circle and holes
+# around it, so that they turn with all of their play.
+ROUND_SIDES = 24
+# A lower step from a web to its panel is none: it is lost in single precision.
+_LEAST_STEP_MM = 0.005
+# Barrels have so many sides: one lies on the bed and those beside it rise at 45 degrees.
+BARREL_SIDES = 8
+
+
+class HingeSettings(Settings):
+    """Which hinges creases get, and how they are made."""
+
+    kind: HingeKind = Field(default="web", description="hinge of all creases")
+    mountain: HingeKind | None = Field(default=None, description="hinge of mountains; else kind")
+    valley: HingeKind | None = Field(default=None, description="hinge of valleys; else kind")
+    flat: HingeKind | None = Field(
+        default=None, description="hinge of creases that are neither; else kind"
+    )
+    web_mm: float = Field(
+        default=0.4, ge=0.01, le=1000, description="thickness of the web: one or two layers"
+    )
+    relief_mm: float = Field(
+        default=0.3,
+        ge=0.01,
+        le=1000,
+        description="from the end of a hinge to the nearest panel corner; of webs, to the "
+        "farthest panel corner at their vertex",
+    )
+    strain_max: float = Field(
+        default=0.5,
+        gt=0,
+        le=10,
+        description="how far the outside of a web or film may stretch: it is made long enough. "
+        "That of the print material where left out",
+    )
+    knuckle_mm: float = Field(
+        default=4.0, ge=0.1, le=1000, description="least length of a barrel, along its crease"
+    )
+    pin_mm: float = Field(default=1.2, ge=0.1, le=1000, description="diameter of the pin")
+    play_mm: float = Field(
+        default=0.25,
+        ge=0.01,
+        le=100,
+        description="gap around a pin, between barrels, and from barrels to the other panel. "
+        "The least gap of the printer where left out",
+    )
+    wall_mm: float = Field(
+        default=0.6, ge=0.01, le=1000, description="least wall around the hole of a barrel or panel"
+    )
+    film_mm: float = Field(
+        default=0.2, ge=0.01, le=1000, description="thickness of the film or fabric"
+    )
+    hole_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=1000,
+        description="diameter of a hole through each panel, to align it by; 0 for none",
+    )
+
+    @property
+    def kinds(self) -> tuple[HingeKind, HingeKind, HingeKind]:
+        """Of mountains, of valleys and of other creases."""
+        return self.mountain or self.kind, self.valley or self.kind, self.flat or self.kind
+
+
+def hole_radius_mm(settings: HingeSettings) -> float:
+    """From the axis to the farthest corner of the hole in a barrel."""
+    return float((settings.pin_mm / 2 + settings.play_mm) / np.cos(np.pi / ROUND_SIDES))
+
+
+def barrel_radius_mm(panel: PanelSettings) -> float:
+    """From the axis to the farthest corner of a barrel as high as its panels."""
+    return float(panel.thickness_mm / 2 / np.cos(np.pi / BARREL_SIDES))
+
+
+def heights_over_axes_mm(panel: PanelSettings, hinge: HingeSettings) -> tuple[float, float]:
+    """Bottom and top of the panels over the axes of their hinges; a film has them in its middle.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    thickness, kinds = panel.thickness_mm, set(hinge.kinds)
+    low, high = panel.heights_mm
+    if "film" in kinds and len(kinds) > 1:
+        raise InvalidJob(
+            f"hinges.kind = film with other hinges ({', '.join(sorted(kinds - {'film'}))}) on some "
+            "creases: a film lies under all of them. Give film to all or to none"
+        )
+    if "film" in kinds and panel.axis != "bottom":
+        raise InvalidJob(
+            f"panels.axis = {panel.axis} with hinges.kind = film: the axes lie in the film. Leave "
+            "panels.axis out"
+        )
+    if "web" in kinds and hinge.web_mm > thickness - _LEAST_STEP_MM:
+        raise InvalidJob(
+            f"hinges.web_mm = {hinge.web_mm:g} must be below panels.thickness_mm = "
+            f"{thickness:g}, by {_LEAST_STEP_MM:g} at least: a web is thinner than its panels"
+        )
+    if "web" in kinds and not low <= 0 <= high:
+        raise InvalidJob(
+            f"panels.axis_mm = {panel.axis_mm:g} must be 0 to panels.thickness_mm = {thickness:g} "
+            "for webs: they lie at the axis. Change it, or hinges.kind"
+        )
+    if "knuckle" in kinds:
+        least = 2 * (hole_radius_mm(hinge) + hinge.wall_mm)
+        if low != -high:
+            raise InvalidJob(
+                f"panels.axis = {panel.axis} with knuckles: their axis lies in the middle. Set "
+                "panels.axis = middle, or change hinges.kind"
+            )
+        if thickness < least:
+            raise InvalidJob(
+                f"panels.thickness_mm = {thickness:g} must be at least {least:.4g} for knuckles: "
+                "twice pin_mm / 2 + play_mm + wall_mm, and a little for corners. Raise it, or "
+                "lower those"
+            )
+    return (hinge.film_mm / 2, hinge.film_mm / 2 + thickness) if "film" in kinds else (low, high)
+
+
+def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.str_]:
+    """The kind of hinge of every edge, shape (ne,); none at borders, cuts, and within a face."""
+    mountain, valley, flat = settings.kinds
+    letter = pattern.edges_assignment
+    out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
+    one, two = pattern.edges_faces.T
+    out[(two < 0) | (one == two) | (letter == "C")] = "none"
+    return out
+
+
+def hinge_setbacks(
+    pattern: CreasePattern, panel: PanelSettings, settings: HingeSettings
+) -> FloatArray:
+    """Setback that the hinge of each crease needs, mm, shape (ne,).
+
+    A web or film of thickness w and length 2 s bent by rho stretches its outside by
+    w rho / (4 s). Knuckles need room for the barrels of the other panel.
+    """
+    kinds = crease_kinds(pattern, settings)
+    rho = np.abs(np.radians(pattern.edges_foldAngle))
+    rho = np.minimum(rho, np.radians(panel.fold_limit_deg))
+    out = np.zeros(len(rho))
+    for kind, thickness in (("web", settings.web_mm), ("film", settings.film_mm)):
+        out[kinds == kind] = (thickness * rho / (4 * settings.strain_max))[kinds == kind]
+    out[kinds == "knuckle"] = barrel_radius_mm(panel) + settings.play_mm
+    return out
+
+
+def heights_and_setbacks(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[tuple[float, float], Setbacks]:
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights = heights_over_axes_mm(panel, hinge)
+    back = setbacks(
+        pattern,
+        heights,
+        gap_mm=panel.gap_mm,
+        clearance_mm=panel.clearance_mm,
+        hinge_mm=hinge_setbacks(pattern, panel, hinge),
+        limit_deg=panel.fold_limit_deg,
+    )
+    return heights, back

@@ -1,0 +1,148 @@
+"""Which bodies is a thick sheet made of, and with which face does each of them move?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fab.errors import Finding
+from fab.geometry.bodies import Bodies, bodies_of, concatenated
+from fab.panels.alignment_holes import drilled
+from fab.panels.bevelled_panels import Panels, PanelSettings, make_panels
+from fab.panels.feasibility import inspect_standing
+from fab.panels.film import make_film
+from fab.panels.hinge_room import crease_sides
+from fab.panels.hinges import HingeSettings, crease_kinds, heights_and_setbacks
+from fab.panels.knuckles import Knuckles, make_knuckles, with_knuckles
+from fab.panels.webs import make_webs
+from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.face_poses import face_poses
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["ThickSheet", "rigid_sheet", "thicken"]
+
+
+@dataclass(frozen=True)
+class ThickSheet:
+    """A crease pattern in solid bodies, flat, the axes of its creases at z = 0.
+
+    Attributes
+    ----------
+    pattern : in mm; panel, hinge : the settings that it is made with.
+    panels : what stands on its faces, without hinges.
+    bodies : all solids: first one for each panel, with its knuckles, then webs, then films.
+    names : such as "panel_3", "hinge_12" and "film_0", by face and by edge.
+    faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
+    creases : shape (n,), the edge that a web belongs to; -1 for others.
+    flexible : shape (n,), whether it is of the second, softer material.
+    knuckles : where barrels of two panels turn about a pin.
+    held : shape (k,), the edges whose two panels hold together by a hinge of any kind.
+    joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
+        webs reach into their panels. Panels stand on a film without a gap.
+    """
+
+    pattern: CreasePattern
+    panel: PanelSettings
+    hinge: HingeSettings
+    panels: Panels
+    bodies: Bodies
+    names: tuple[str, ...]
+    faces: IntArray
+    creases: IntArray
+    flexible: BoolArray
+    knuckles: Knuckles
+    held: IntArray
+    joining: Bodies
+
+    @property
+    def rigid(self) -> IntArray:
+        """Numbers of the bodies that move with a face."""
+        return np.flatnonzero(self.faces >= 0)
+
+    def posed(self, coords: FloatArray) -> Bodies:
+        """The rigid bodies, in the order of `rigid`, where a folded state has their faces.
+
+        coords : shape (nv, 3), mm, of the pattern's vertices.
+        """
+        turns, shifts = face_poses(self.pattern, coords)
+        owner = self.faces[self.rigid]
+        return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
+
+
+def rigid_sheet(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels with their knuckles, without what bends: all that can collide when folded.
+
+    Of faces without a panel those that are not convex are named; for the others see `fab.standing`.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    heights, back = heights_and_setbacks(pattern, panel, hinge)
+    panels, findings = make_panels(pattern, heights, back)
+    knuckles, without = make_knuckles(pattern, panels, hinge)
+    findings += without
+    rigid = panels
+    if hinge.hole_mm > 0:
+        rigid, without = drilled(panels, hinge.hole_mm, hinge.wall_mm)
+        findings += without
+    bodies = rigid.bodies
+    if len(knuckles.creases):
+        bodies = with_knuckles(pattern, rigid, knuckles, hinge)
+    return (
+        ThickSheet(
+            pattern,
+            panel,
+            hinge,
+            panels,
+            bodies,
+            tuple(f"panel_{face}" for face in panels.faces),
+            panels.faces,
+            np.full(len(bodies), -1),
+            np.zeros(len(bodies), bool),
+            knuckles,
+            knuckles.creases,
+            bodies,
+        ),
+        findings,
+    )
+
+
+def thicken(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> tuple[ThickSheet, list[Finding]]:
+    """Panels and hinges of a pattern, and what is to be told of them.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
+    """
+    rigid, findings = rigid_sheet(pattern, panel, hinge)
+    panels = rigid.panels
+    findings = [*inspect_standing(pattern, panel, hinge, panels.faces), *findings]
+    webs, without = make_webs(pattern, panels, hinge)
+    findings += without
+    held = [webs.creases, rigid.held]
+    film = bodies_of([])
+    if "film" in hinge.kinds and len(panels.bodies):
+        film = make_film(pattern, panels, hinge, panel.gap_mm)
+        first, second = crease_sides(pattern, panels)
+        under = crease_kinds(pattern, hinge) == "film"
+        held.append(np.flatnonzero((first >= 0) & (second >= 0) & under))
+    bending = len(webs.bodies) + len(film)
+    return (
+        replace(
+            rigid,
+            bodies=concatenated([rigid.bodies, webs.bodies, film]),
+            names=(
+                *rigid.names,
+                *(f"hinge_{e}" for e in webs.creases),
+                *(f"film_{i}" for i in range(len(film))),
+            ),
+            faces=np.concatenate([rigid.faces, np.full(bending, -1)]),
+            creases=np.concatenate([rigid.creases, webs.creases, np.full(len(film), -1)]),
+            flexible=np.concatenate([rigid.flexible, np.ones(bending, bool)]),
+            held=np.sort(np.concatenate(held)),
+            joining=concatenated([rigid.bodies, webs.reaching, film]),
+        ),
+        findings,
+    )

@@ -1,0 +1,291 @@
+"""Can a printer print the bodies flat, as they lie on its bed, and do their webs last?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fab.errors import Finding, Severity
+from fab.geometry.bodies import TriangleMesh
+from fab.panels.bevelled_panels import Panels
+from fab.panels.thick_sheet import ThickSheet
+from fab.printing.printers import Printer, PrintMaterial
+from solver.vectors import FloatArray, IntArray, cross, norm, unit
+
+__all__ = ["bed_area_mm2", "inspect_print", "inspect_webs", "panel_widths_mm"]
+
+_ON_BED_MM = 1e-6
+# Sides that are level but for rounding are bridges, not overhangs.
+_LEVEL_DEG = 89.9
+# Heights that are off a whole number of layers by a larger share are told.
+_OFF_LAYER = 0.05
+_NAMED = 20
+
+
+def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> list[Finding]:
+    """Findings about size, walls, gaps, webs, overhangs and materials; each says what helps."""
+    return [
+        *_size(joined, printer),
+        *_walls(sheet.panels, printer),
+        *_gaps(sheet, printer),
+        *_layers(sheet, printer),
+        *_overhangs(sheet, printer),
+        *_bridges(sheet, printer),
+        *_materials(sheet, printer),
+    ]
+
+
+def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -> list[Finding]:
+    """Findings about webs that break: too thick for their length and fold angle (`fab.hinges`)."""
+    webs = _webs(sheet)
+    creases = sheet.creases[webs]
+    if not len(webs):
+        return []
+    if material.strain_max is None:
+        return [
+            Finding(
+                "hinge-breaks",
+                Severity.WARNING,
+                f"{len(webs)} webs are of a material that breaks where it bends. Print them of PP "
+                "or TPU, or choose other hinges.",
+                creases=tuple(creases[:_NAMED].tolist()),
+            )
+        ]
+    rho = np.radians(np.minimum(np.abs(sheet.pattern.edges_foldAngle[creases]), limit_deg))
+    thick = _heights_mm(sheet, webs)
+    strain = thick * rho / (4 * sheet.panels.setbacks.axis_mm[creases])
+    wrong = np.flatnonzero(strain > material.strain_max * (1 + 1e-9))
+    if not len(wrong):
+        return []
+    worst = int(np.argmax(strain))
+    needed = float(thick[worst] * rho[worst] / (2 * material.strain_max))
+    return [
+        Finding(
+            "hinge-strains",
+            Severity.WARNING,
+            f"{len(wrong)} webs stretch by over strain_max = {material.strain_max:g}, worst is "
+            f"crease {creases[worst]}: {strain[worst]:.3g}. Set hinges.strain_max to that of the "
+            f"material, or gap_mm to at least {needed:.3g}, or make web_mm thinner.",
+            creases=tuple(creases[wrong[:_NAMED]].tolist()),
+        )
+    ]
+
+
+def bed_area_mm2(joined: TriangleMesh) -> float:
+    """Area of the sides that lie on the bed."""
+    corners = joined.vertices_coords[joined.triangles]
+    lowest = joined.vertices_coords[:, 2].min(initial=np.inf)
+    a, b, c = corners[(corners[:, :, 2] <= lowest + _ON_BED_MM).all(axis=1)].swapaxes(0, 1)
+    return float(norm(cross(b - a, c - a)).sum() / 2)
+
+
+def panel_widths_mm(panels: Panels) -> FloatArray:
+    """Least width of the bottom or the top of every panel, whichever is less, mm, shape (n,).
+
+    Over the directions across its sides, one of which has the least width of a convex panel.
+    """
+    bodies, sides = panels.bodies, panels.sides
+    out = np.full(len(bodies), np.inf)
+    counts = np.diff(sides.offsets)[panels.faces]
+    ends = np.cumsum(counts)
+    body = np.repeat(np.arange(len(bodies)), counts)
+    side = np.arange(len(body)) + np.repeat(sides.offsets[panels.faces] - (ends - counts), counts)
+    for z in panels.heights_mm:
+        rows = np.flatnonzero(np.abs(bodies.vertices_coords[:, 2] - z) <= _ON_BED_MM)
+        starts = np.searchsorted(bodies.vertices_body[rows], np.arange(len(bodies) + 1))
+        many = np.diff(starts)[body]
+        first = np.cumsum(many) - many
+        point = np.arange(int(many.sum())) + np.repeat(starts[body] - first, many)
+        across = np.repeat(sides.inward[side], many, axis=0)
+        along = (bodies.vertices_coords[rows[point], :2] * across).sum(axis=1)
+        has = np.flatnonzero(many)
+        width = np.zeros(len(body))
+        width[has] = np.maximum.reduceat(along, first[has]) - np.minimum.reduceat(along, first[has])
+        np.minimum.at(out, body, width)
+    return out
+
+
+def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
+    """Whether the print fits the bed, turned as it likes."""
+    coords = joined.vertices_coords
+    if not len(coords):
+        return []
+    findings = []
+    room = np.sort(printer.room_mm)
+    # every degree, and the directions of the sides of the box of least area come near to them
+    turn = np.radians(np.arange(180))
+    along = coords[:, :2] @ np.stack([np.cos(turn), np.sin(turn)])
+    spans = np.ptp(along, axis=0)
+    boxes = np.sort(np.stack([spans[:90], spans[90:]]), axis=0)
+    over = (boxes - room[:, None]).max(axis=0)
+    best = int(over.argmin())
+    if over[best] > _ON_BED_MM:
+        short, long = boxes[:, best]
+        findings.append(
+            Finding(
+                "print-too-large",
+                Severity.ERROR,
+                f"the flat print needs {long:.4g} x {short:.4g} mm, the printer has {room[1]:g} x "
+                f"{room[0]:g} within its margins. Scale it to {min(room / boxes[:, best]):.3g} of "
+                "its size at most, or choose web hinges: such sheets are printed in parts.",
+            )
+        )
+    height = float(np.ptp(coords[:, 2]))
+    if height > printer.height_mm:
+        findings.append(
+            Finding(
+                "print-too-high",
+                Severity.ERROR,
+                f"the flat print is {height:.4g} mm high, the printer reaches "
+                f"{printer.height_mm:g}. Lower thickness_mm.",
+            )
+        )
+    return findings
+
+
+def _walls(panels: Panels, printer: Printer) -> list[Finding]:
+    width = panel_widths_mm(panels)
+    thin = np.flatnonzero(width < printer.nozzle_mm)
+    if not len(thin):
+        return []
+    worst = int(width.argmin())
+    return [
+        Finding(
+            "wall-too-thin",
+            Severity.WARNING,
+            f"{len(thin)} panels are narrower than nozzle_mm = {printer.nozzle_mm:g} at their "
+            f"bottom or top, worst is panel {panels.faces[worst]}: {width[worst]:.3g} mm. Slicers "
+            "leave such ridges out: lower thickness_mm or gap_mm, or enlarge the sheet.",
+            panels=tuple(panels.faces[thin[:_NAMED]].tolist()),
+        )
+    ]
+
+
+def _gaps(sheet: ThickSheet, printer: Printer) -> list[Finding]:
+    standing = np.zeros(sheet.pattern.face_count + 1, bool)  # the last one for borders
+    standing[sheet.panels.faces] = True
+    gap = 2 * sheet.panels.setbacks.axis_mm
+    gap[~standing[sheet.pattern.edges_faces].all(axis=1)] = np.inf
+    knuckles = sheet.knuckles
+    findings = []
+    for creases, least, what, cure in (
+        (np.arange(len(gap)), gap, "gaps are", "panels fuse. Raise gap_mm."),
+        (
+            knuckles.creases,
+            np.full(len(knuckles.creases), knuckles.play_mm),
+            "knuckles have a play that is",
+            "they fuse. Raise play_mm.",
+        ),
+    ):
+        narrow = least < printer.least_gap_mm - _ON_BED_MM
+        if narrow.any():
+            findings.append(
+                Finding(
+                    "gap-too-narrow",
+                    Severity.WARNING,
+                    f"{narrow.sum()} {what} narrower than the printer's least_gap_mm = "
+                    f"{printer.least_gap_mm:g}, the least is {least.min():.3g} mm: {cure}",
+                    creases=tuple(creases[narrow][:_NAMED].tolist()),
+                )
+            )
+    return findings
+
+
+def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:
+    """Whether webs are at least one layer, and whole layers."""
+    webs = _webs(sheet)
+    if not len(webs):
+        return []
+    height = _heights_mm(sheet, webs)
+    layers = height / printer.layer_mm
+    least = float(height.min())
+    if layers.min() < 1 - _OFF_LAYER:
+        return [
+            Finding(
+                "web-too-thin",
+                Severity.ERROR,
+                f"webs are {least:.3g} mm thick, less than one layer of layer_mm = "
+                f"{printer.layer_mm:g}: they are not printed. Raise web_mm to that at least.",
+                creases=tuple(sheet.creases[webs[:_NAMED]].tolist()),
+            )
+        ]
+    off = np.abs(layers - np.round(layers))
+    if off.max() <= _OFF_LAYER:
+        return []
+    worst = float(height[off.argmax()])
+    down = np.floor(worst / printer.layer_mm) * printer.layer_mm
+    return [
+        Finding(
+            "web-between-layers",
+            Severity.NOTE,
+            f"webs are {worst:.3g} mm thick, no whole number of layers of layer_mm = "
+            f"{printer.layer_mm:g}: they come out thinner or thicker. Set web_mm to {down:.3g} or "
+            f"{down + printer.layer_mm:.3g}.",
+        )
+    ]
+
+
+def _overhangs(sheet: ThickSheet, printer: Printer) -> list[Finding]:
+    """Sides of panels that look down, more than the printer prints without support."""
+    bodies = sheet.panels.bodies
+    corners = bodies.vertices_coords[bodies.triangles]
+    a, b, c = corners.swapaxes(0, 1)
+    down = -unit(cross(b - a, c - a))[:, 2]
+    angle = np.degrees(np.arcsin(np.clip(np.nan_to_num(down), -1, 1)))
+    over = (angle > printer.overhang_deg + 1e-6) & (angle < _LEVEL_DEG)
+    owner = np.unique(bodies.triangles_body[over])
+    if not len(owner):
+        return []
+    return [
+        Finding(
+            "overhang-too-flat",
+            Severity.WARNING,
+            f"{len(owner)} panels have sides that lean out by over overhang_deg = "
+            f"{printer.overhang_deg:g} degrees, up to {angle[over].max():.4g}. Print them with "
+            "support, set axis = bottom, or lower fold_limit_deg.",
+            panels=tuple(sheet.panels.faces[owner[:_NAMED]].tolist()),
+        )
+    ]
+
+
+def _bridges(sheet: ThickSheet, printer: Printer) -> list[Finding]:
+    """Webs that span a gap over air."""
+    webs = _webs(sheet)
+    low, _ = sheet.bodies.boxes()
+    lowest = sheet.bodies.vertices_coords[:, 2].min(initial=np.inf)
+    aloft = webs[low[webs, 2] > lowest + _ON_BED_MM]
+    span = 2 * sheet.panels.setbacks.axis_mm[sheet.creases[aloft]]
+    wide = np.flatnonzero(span > printer.bridge_mm)
+    if not len(wide):
+        return []
+    return [
+        Finding(
+            "bridge-too-long",
+            Severity.WARNING,
+            f"{len(wide)} webs span up to {span.max():.3g} mm over air, more than the printer's "
+            f"bridge_mm = {printer.bridge_mm:g}. Set axis = bottom, or print with support.",
+            creases=tuple(sheet.creases[aloft[wide[:_NAMED]]].tolist()),
+        )
+    ]
+
+
+def _materials(sheet: ThickSheet, printer: Printer) -> list[Finding]:
+    if printer.extruders > 1 or not sheet.flexible.any() or sheet.flexible.all():
+        return []
+    return [
+        Finding(
+            "one-material",
+            Severity.NOTE,
+            "the printer has one extruder: panels and hinges are printed of the same material. "
+            "Choose one that bends, such as PP or TPU.",
+        )
+    ]
+
+
+def _webs(sheet: ThickSheet) -> IntArray:
+    """Bodies across a crease that bend."""
+    return np.flatnonzero(sheet.flexible & (sheet.faces < 0) & (sheet.creases >= 0))
+
+
+def _heights_mm(sheet: ThickSheet, chosen: IntArray) -> FloatArray:
+    low, high = sheet.bodies.boxes()
+    return np.asarray((high - low)[chosen, 2])

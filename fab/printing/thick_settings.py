@@ -1,0 +1,101 @@
+"""What does a person say of a thick sheet: its panels, its hinges, its printer?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import Field, model_validator
+
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.hinges import HingeSettings, heights_over_axes_mm
+from fab.printing.plate_settings import PlateSettings
+from fab.printing.printers import Printer, PrintMaterial, load_print_material, load_printer
+from fab.settings import Settings, apply_change, checked
+
+__all__ = ["UNKNOWN", "PrintWith", "PrinterSettings", "ThickSettings", "thick_settings"]
+
+
+class PrinterSettings(Settings):
+    """Which printer prints the thick sheet, and of what: names, or paths of TOML files."""
+
+    machine: str | None = Field(default=None, description="a shipped printer, or a .toml file")
+    material: str | None = Field(default=None, description="of the print, named in the same way")
+
+
+@dataclass(frozen=True)
+class PrintWith:
+    """The printer and its material, where they are known."""
+
+    printer: Printer | None = None
+    material: PrintMaterial | None = None
+
+
+UNKNOWN = PrintWith()
+
+
+class ThickSettings(Settings):
+    """The tables of a thick sheet, in a job and on the command line."""
+
+    panels: PanelSettings = PanelSettings()
+    hinges: HingeSettings = HingeSettings()
+    printer: PrinterSettings = PrinterSettings()
+    plates: PlateSettings = PlateSettings()
+
+    @model_validator(mode="after")
+    def _hinges_fit_panels(self) -> ThickSettings:
+        heights_over_axes_mm(self.panels, self.hinges)
+        return self
+
+    def printed(self, print_with: PrintWith) -> Self:
+        """The same, with what they leave to the printer and its material.
+
+        That is how far webs may stretch, the play of knuckles, and the margin of plates.
+        """
+        printer, material = print_with.printer, print_with.material
+        plates, given = self.plates, self.hinges.model_fields_set
+        fitting: dict[str, float] = {}
+        if material is not None and material.strain_max is not None:
+            fitting["strain_max"] = material.strain_max
+        if printer is not None:
+            fitting["play_mm"] = printer.least_gap_mm
+            if plates.margin_mm is None:
+                plates = plates.model_copy(update={"margin_mm": printer.margin_mm})
+        left = {key: value for key, value in fitting.items() if key not in given}
+        hinges = self.hinges.model_copy(update=left)
+        return self.model_copy(update={"hinges": hinges, "plates": plates})
+
+    def print_with(self, folder: Path = Path()) -> PrintWith:
+        """The printer and the material that are named. Raises `InvalidJob` for unknown ones.
+
+        folder : where their files are looked for.
+        """
+
+        def place(name: str) -> str | Path:
+            return folder / name if name.endswith(".toml") else name
+
+        machine, material = self.printer.machine, self.printer.material
+        return PrintWith(
+            None if machine is None else load_printer(place(machine)),
+            None if material is None else load_print_material(place(material)),
+        )
+
+
+def thick_settings(
+    changes: Sequence[str] = (), machine: str | None = None, material: str | None = None
+) -> ThickSettings:
+    """The defaults with changes such as "panels.thickness_mm=1.2" laid over them.
+
+    machine, material : names of the printer and its material, over those of the changes.
+    Raises `InvalidJob` with every key at fault.
+    """
+    document: dict[str, Any] = {}
+    for change in changes:
+        apply_change(document, change)
+    given = {"machine": machine, "material": material}
+    printer = {key: name for key, name in given.items() if name is not None}
+    if printer:
+        document["printer"] = {**document.get("printer", {}), **printer}
+    return checked(ThickSettings, document, "--set", "Give its table and key, with its unit.")

@@ -1,0 +1,200 @@
+"""Which test card finds the right values for a material on a machine?
+
+Tongues that can be folded, each on a crease of its own style: cuts grow to the right, gaps upwards,
+around the material's starting values (the lengths are engraved as cut / gap). Below them a comb of
+slots, and a tab: the slot that holds it tightly is labelled with the kerf. Nothing is corrected for
+kerf here: that is what the card is to tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydantic import ValidationError
+
+from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
+from fab.sheets.crease_styles import (
+    CreaseStyle,
+    EngraveStyle,
+    LatticeStyle,
+    cuts_along,
+    unscaled_length,
+)
+from fab.sheets.labels import text_outlines, text_width
+from fab.sheets.materials import Machine, Material, perforation_for
+from solver.errors import InvalidValue
+
+__all__ = ["coupon"]
+
+# Shares of the starting values, the widest table first; the first one that fits is taken.
+_TABLES = ((0.5, 0.7, 1.0, 1.4, 2.0), (0.7, 1.0, 1.4), (1.0,))
+_SPACE_MM = 4.0
+_LETTER_MM = 2.5
+_TONGUE_MM = 20.0
+_TAB_MM = 10.0
+_SLOTS = 9
+# The two lengths of each kind of style that are tried.
+_TRIED = {
+    "dots": ("dot_mm", "pitch_mm"),
+    "dashes": ("cut_mm", "gap_mm"),
+    "dash_dot": ("cut_mm", "gap_mm"),
+    "lattice": ("cut_mm", "gap_mm"),
+}
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Layers within (0, 0) to `size`."""
+
+    layers: tuple[Layer, ...]
+    size: tuple[float, float]
+
+    def at(self, x: float, y: float) -> list[Layer]:
+        return [layer.moved(np.eye(2), np.array([x, y])) for layer in self.layers]
+
+
+def coupon(machine: Machine, material: Material) -> CutPaths:
+    """The test card on the bed, as large as need be, in the lower left corner of its margins.
+
+    For machines whose software perforates by itself the creases are whole lines, one of each
+    letter: there the software's own cut and skip lengths are tried. Raises `InvalidValue` where
+    not even one tongue of each letter fits the bed.
+    """
+    perforation = perforation_for(machine, material)
+    styles = {Operation.MOUNTAIN: perforation.mountain, Operation.VALLEY: perforation.valley}
+    comb = _comb(machine.kerf_mm, material.thickness_mm)
+    room = machine.room_mm
+    size = (0.0, 0.0)
+    for shares in _TABLES:
+        tables = [_table(letter, style, shares, material) for letter, style in styles.items()]
+        for stacked in (_beside, _above):
+            card = _framed(_above([comb, stacked(tables)]))
+            size = card.size
+            if size[0] <= room[0] and size[1] <= room[1]:
+                corner = machine.margin_mm
+                return CutPaths(joined(card.at(corner, corner)), machine.bed_mm)
+    bound = f"be at least {size[0]:.4g} x {size[1]:.4g} mm within its margins"
+    cure = "Take a machine with a larger bed, or shorter starting values."
+    raise InvalidValue("bed", f"{room[0]:g} x {room[1]:g} mm", bound, cure)
+
+
+def _beside(blocks: Sequence[_Block]) -> _Block:
+    x, layers = 0.0, []
+    for block in blocks:
+        layers += block.at(x, 0)
+        x += block.size[0] + _SPACE_MM
+    return _Block(tuple(layers), (x - _SPACE_MM, max(block.size[1] for block in blocks)))
+
+
+def _above(blocks: Sequence[_Block]) -> _Block:
+    y, layers = 0.0, []
+    for block in blocks:
+        layers += block.at(0, y)
+        y += block.size[1] + _SPACE_MM
+    return _Block(tuple(layers), (max(block.size[0] for block in blocks), y - _SPACE_MM))
+
+
+def _framed(block: _Block) -> _Block:
+    width, height = block.size[0] + 2 * _SPACE_MM, block.size[1] + 2 * _SPACE_MM
+    outline = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+    frame = Layer(Operation.CUT, outlines=(outline,))
+    return _Block((*block.at(_SPACE_MM, _SPACE_MM), frame), (width, height))
+
+
+def _table(
+    letter: Operation, style: CreaseStyle, shares: Sequence[float], material: Material
+) -> _Block:
+    """Tongues with cuts of all shares (columns) by gaps of all shares (rows).
+
+    Those that no style allows, such as dots as long as their pitch, are left out.
+    """
+    keys = _TRIED.get(style.kind)
+    if keys is None:
+        return _tongue(letter, style, f"{letter[0]} {style.kind}", _TONGUE_MM, material)
+    base = style.model_dump()
+    width = max(_TONGUE_MM, 2.5 * sum(base[key] for key in keys))
+    rows = []
+    for gap in shares:
+        row = []
+        for cut in shares:
+            lengths = [round(s * base[key], 2) for s, key in zip((cut, gap), keys, strict=True)]
+            label = f"{letter[0]} {lengths[0]:g}/{lengths[1]:g}"
+            try:
+                tried = type(style).model_validate(base | dict(zip(keys, lengths, strict=True)))
+            except ValidationError:
+                row.append(_Block((), (0.0, 0.0)))
+            else:
+                row.append(_tongue(letter, tried, label, width, material))
+        rows.append(row)
+    cell = max(tongue.size[0] for row in rows for tongue in row)
+    return _above([_beside([replace(t, size=(cell, t.size[1])) for t in row]) for row in rows])
+
+
+def _tongue(
+    letter: Operation, style: CreaseStyle, label: str, wanted: float, material: Material
+) -> _Block:
+    """A tongue cut free on three sides; the fourth, above, is the crease. About `wanted` wide."""
+    length = unscaled_length(style, wanted)
+    margin = material.perforation.margin_mm
+    width = length + 2 * margin
+    half = style.width_mm / 2 if isinstance(style, LatticeStyle) else 0.0
+    bottom = 2 * _LETTER_MM
+    middle = bottom + max(10.0, 3 * material.thickness_mm) + half
+    top = middle + half
+    crease = np.array([[[0, middle], [width, middle]]])
+    free = np.array([[0, top], [0, bottom], [width, bottom], [width, top]])
+    made = Operation.ENGRAVE if isinstance(style, EngraveStyle) else letter
+    text_mm = text_width(label) * _LETTER_MM
+    layers = (
+        _text(label, _LETTER_MM, text_mm / 2),
+        Layer(made, cuts_along(crease, style, margin).segments),
+        Layer(Operation.CUT, np.stack([free[:-1], free[1:]], axis=1)),
+    )
+    return _Block(layers, (max(width, text_mm), top + _SPACE_MM))
+
+
+def _text(text: str, height_mm: float, middle: float) -> Layer:
+    """A line of text in the strip below what it names, its middle at this x."""
+    return Layer(
+        Operation.ENGRAVE, outlines=text_outlines(text, height_mm, (middle, _LETTER_MM), 0.0)
+    )
+
+
+def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
+    """Slots for the tab, each shorter than the last by twice a step of kerf, and the tab.
+
+    A slot of length L comes out as L + kerf, a tab of width w as w - kerf: it fits where
+    kerf = (w - L) / 2. Sheets thinner than two kerfs are held by slits.
+    """
+    step = max(0.02, round(kerf_mm / 4, 2))
+    wide = thickness_mm if thickness_mm > 2 * kerf_mm and thickness_mm >= 1 else 0.0
+    slits, slots, words = [], [], []
+    pitch = max(8.0, wide + 6.0)
+    for i in range(_SLOTS):
+        kerf = i * step
+        x, length = i * pitch + 3.0, _TAB_MM - 2 * kerf
+        low = 2 * _LETTER_MM
+        if wide:
+            high = low + length
+            slots.append(np.array([[x, low], [x + wide, low], [x + wide, high], [x, high]]))
+        else:
+            slits.append([[x, low], [x, low + length]])
+        words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
+    x, low, shoulder = _SLOTS * pitch + _SPACE_MM, 1.0, 4.0
+    tab = np.array(
+        [
+            [0, 0],
+            [_TAB_MM + 2 * shoulder, 0],
+            [_TAB_MM + 2 * shoulder, 7],
+            [_TAB_MM + shoulder, 7],
+            [_TAB_MM + shoulder, 14],
+            [shoulder, 14],
+            [shoulder, 7],
+            [0, 7],
+        ]
+    ) + np.array([x, low])
+    cut = Layer(Operation.CUT, np.array(slits).reshape(-1, 2, 2), (*slots, tab))
+    size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))
+    return _Block((*words, cut), size)

@@ -1,0 +1,202 @@
+"""What is engraved on a piece so that a person finds where it belongs?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, lru_cache
+
+import numpy as np
+import shapely
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+
+from fab.drawings.cut_paths import Layer, Operation
+from solver.vectors import FloatArray
+
+__all__ = [
+    "Label",
+    "engraved",
+    "fitted",
+    "highest",
+    "number_text",
+    "text_box",
+    "text_outlines",
+    "text_width",
+]
+
+# The sans serif font that comes with matplotlib, so that every machine writes alike.
+_FONT = FontProperties(family="DejaVu Sans")
+# Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
+_EM = 100.0
+# The larger of two labels that lie over each other becomes lower by this.
+_SHRINK = 0.8
+# Over the size of a room: nearer to the line that a text stands on is on it.
+_ON_SIDE_REL = 1e-9
+# Height of the box that a text keeps free, in heights of its capitals, and what J and Q, which hang
+# lower, keep free besides their own.
+_BOX_HEIGHT = 1.2
+_BELOW = 0.1
+# Digits that are digits when turned by half a turn.
+_TURNED = str.maketrans("01689", "01986")
+
+
+@dataclass(frozen=True)
+class Label:
+    """Text on a piece.
+
+    Attributes
+    ----------
+    at : middle of the text, mm.
+    height_mm : of capitals and digits.
+    angle_deg : direction in which it is read, from x towards y.
+    """
+
+    text: str
+    at: tuple[float, float]
+    height_mm: float
+    angle_deg: float
+
+
+def number_text(number: int) -> str:
+    """A number to be engraved, with a full stop where another one is read upside down: "6."."""
+    text = str(number)
+    turned = text[::-1].translate(_TURNED)
+    other = set(text) <= set("01689") and turned != text and turned[0] != "0"
+    return f"{text}." if other else text
+
+
+@cache
+def _capital() -> float:
+    """Height of digits, points."""
+    return float(TextPath((0, 0), "0", size=_EM, prop=_FONT).get_extents().height)
+
+
+@lru_cache(maxsize=4096)
+def _glyphs(text: str) -> tuple[FloatArray, ...]:
+    """Closed outlines of a text, capitals one high, its middle at the origin."""
+    rings = TextPath((0, 0), text, size=_EM, prop=_FONT).to_polygons(closed_only=True)
+    if not rings:
+        return ()
+    every = np.concatenate(rings)
+    middle = (every.min(axis=0) + every.max(axis=0)) / 2
+    return tuple((np.asarray(ring)[:-1] - middle) / _capital() for ring in rings)
+
+
+def text_width(text: str) -> float:
+    """Width of a text whose capitals are one high."""
+    rings = _glyphs(text)
+    return float(np.ptp(np.concatenate(rings)[:, 0])) if rings else 0.0
+
+
+def text_outlines(
+    text: str, height_mm: float, at: tuple[float, float], angle_deg: float
+) -> tuple[FloatArray, ...]:
+    """Letters as closed outlines, each of shape (m, 2), the first vertex not repeated.
+
+    height_mm : of capitals and digits; at : middle of the text; angle_deg : in which it is read.
+    """
+    c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    turn = height_mm * np.array([[c, -s], [s, c]])
+    return tuple(ring @ turn.T + np.array(at) for ring in _glyphs(text))
+
+
+def engraved(labels: Sequence[Label]) -> Layer:
+    """The lines of labels."""
+    outlines = (
+        outline
+        for label in labels
+        for outline in text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
+    )
+    return Layer(Operation.ENGRAVE, outlines=tuple(outlines))
+
+
+def highest(
+    text: str, anchor: FloatArray, slant: float, room: shapely.Polygon, hang: float = 0.0
+) -> float:
+    """Height up to which a text grows from its anchor before it leaves a room.
+
+    slant : direction of the text, radians. hang : distance of its middle from its anchor, to the
+    left, in heights. A text of no height at the anchor, or beside it, must lie in the room.
+    """
+    c, s = np.cos(slant), np.sin(slant)
+    box_width, box_height = text_box(text)
+    low, top = hang - box_height / 2, hang + box_height / 2
+    ring = (shapely.get_coordinates(room.exterior) - anchor) @ np.array([[c, -s], [s, c]])
+    ring[:, 0] /= 0.5 * box_width
+    # a text of height h is the box |x| <= h, low h <= y <= top h: along a side of the room the
+    # least h that reaches a point is at an end of the side or where two of these are equal
+    normals = np.array([[1, 0], [0, 1], [low, 1], [low, -1], [top, 1], [top, -1]])
+    start, end = ring[:-1] @ normals.T, ring[1:] @ normals.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.nan_to_num(start / (start - end), nan=0.0, posinf=0.0, neginf=0.0)
+    share = np.clip(np.column_stack([share, np.zeros(len(start)), np.ones(len(start))]), 0, 1)
+    points = ring[:-1, None] + share[..., None] * np.diff(ring, axis=0)[:, None]
+    x, y = np.abs(points[..., 0]), points[..., 1]
+    reached = np.maximum(x, y / top)
+    if low < 0:
+        return float(np.maximum(reached, y / low).min())
+    # the text stands off its anchor, and passes what lies below it
+    met = (y > _ON_SIDE_REL * np.abs(ring).max()) & (low * x <= y * (1 + _ON_SIDE_REL))
+    return float(reached[met].min(initial=np.inf))
+
+
+def text_box(text: str) -> tuple[float, float]:
+    """Width and height of what a text keeps free, its capitals one high."""
+    rings = _glyphs(text)
+    height = float(np.ptp(np.concatenate(rings)[:, 1])) if rings else 0.0
+    return text_width(text) + 0.4, max(_BOX_HEIGHT, height + _BELOW)
+
+
+def fitted(
+    texts: Sequence[str],
+    anchors: FloatArray,
+    angles: FloatArray,
+    rooms: Sequence[shapely.Polygon],
+    height_mm: FloatArray,
+    hang: FloatArray,
+    least_mm: float,
+) -> tuple[Label | None, ...]:
+    """Labels as high as asked for or as their rooms let them be, or lower, clear of each other.
+
+    Where one would be lower than `least_mm` there is none.
+
+    Parameters
+    ----------
+    anchors, angles : point (n, 2) and direction (n,), radians, that a text stands on.
+    rooms : the polygon that each must stay in.
+    height_mm : the greatest heights, shape (n,).
+    least_mm : the least height, greater than 0.
+    hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
+    """
+    grown = [highest(*one) for one in zip(texts, anchors, angles, rooms, hang, strict=True)]
+    height = np.minimum(height_mm, grown)
+    if not len(height):
+        return ()
+    half_x, half_y = np.array([text_box(text) for text in texts]).T / 2
+    u = np.column_stack([np.cos(angles), np.sin(angles)])
+    v = np.column_stack([-u[:, 1], u[:, 0]])
+    written = height >= least_mm
+    while True:
+        middle = anchors + (hang * height)[:, None] * v
+        x, y = (half_x * height)[:, None] * u, (half_y * height)[:, None] * v
+        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
+        boxes = shapely.polygons(ring)
+        one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+        # the larger of two gives way first
+        clash = (one != two) & written[one] & written[two] & (height[one] >= height[two])
+        if not clash.any():
+            break
+        height[np.unique(one[clash])] *= _SHRINK
+        written &= height >= least_mm
+    return tuple(
+        Label(text, (x, y), h, angle) if there else None
+        for text, (x, y), h, angle, there in zip(
+            texts,
+            middle.tolist(),
+            height.tolist(),
+            np.degrees(angles).tolist(),
+            written.tolist(),
+            strict=True,
+        )
+    )

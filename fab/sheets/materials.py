@@ -1,0 +1,113 @@
+"""What is a sheet made of, and which machine cuts it? Both are data that a person can replace."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, field_validator
+
+from fab.catalogue import CURE, Bedded, Described, load_described
+from fab.drawings.dxf import DxfVersion
+from fab.drawings.layer_colours import Colours
+from fab.settings import Settings
+from fab.sheets.crease_styles import ScoreStyle
+from fab.sheets.perforation import PerforationSettings
+
+__all__ = [
+    "Machine",
+    "Material",
+    "Speeds",
+    "load_machine",
+    "load_material",
+    "perforation_for",
+]
+
+
+# What a material must say of its creases; the rest takes the defaults of a job.
+_OF_MATERIALS = ("margin_mm", "mountain", "valley")
+
+
+class Material(Described):
+    """A sheet, and how creases are best made in it."""
+
+    kind: Literal["sheet"] = "sheet"
+    thickness_mm: float = Field(gt=0, le=100, description="of the sheet")
+    density_kg_m3: float = Field(gt=0, le=30000, description="of the sheet, 833 for card")
+    tab_mm: float = Field(gt=0, le=200, description="height of glue tabs")
+    bend_radius_mm: float | None = Field(
+        default=None,
+        ge=0,
+        le=1000,
+        description="least inner radius of a bend that is not cut into; none where unknown",
+    )
+    cut_speed_ratio: float = Field(
+        gt=0, le=10, description="speed of cutting through, over that of the machine (300 gsm card)"
+    )
+    perforation: PerforationSettings = Field(description="as in a job")
+
+    @field_validator("perforation")
+    @classmethod
+    def _says_how(cls, perforation: PerforationSettings) -> PerforationSettings:
+        missing = [key for key in _OF_MATERIALS if key not in perforation.model_fields_set]
+        if missing:
+            raise ValueError(f"{' and '.join(missing)} must be given in a material. {CURE}")
+        return perforation
+
+    @property
+    def grams_per_m2(self) -> float:
+        """Mass of the sheet by area."""
+        return self.thickness_mm * self.density_kg_m3
+
+
+class Speeds(Settings):
+    """How fast a machine works, in 300 gsm card."""
+
+    cut_mm_s: float = Field(gt=0, le=10000, description="through the sheet, along outlines")
+    perforate_mm_s: float = Field(gt=0, le=10000, description="through the sheet, dash by dash")
+    engrave_mm_s: float = Field(gt=0, le=10000, description="marks on the surface")
+    travel_mm_s: float = Field(gt=0, le=10000, description="between cuts")
+    pierce_s: float = Field(ge=0, le=60, description="to begin a cut, on and off")
+
+
+class Machine(Bedded):
+    """What cuts the sheet: how large, how fast, and which file its software wants."""
+
+    kind: Literal["cutter"] = "cutter"
+    kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
+    speeds: Speeds
+    profile: Literal["pre_dashed", "whole_lines"] = Field(
+        description="creases as dashes, or as whole lines for software that perforates by itself"
+    )
+    dxf_version: DxfVersion = Field(default=DxfVersion.R2000, strict=False)
+    colours: Colours = Colours()
+
+
+def perforation_for(
+    machine: Machine, material: Material, *, scored: bool = False
+) -> PerforationSettings:
+    """How creases of the material are drawn for the machine.
+
+    Where they are scored, and for software that perforates by itself, each crease is one whole line
+    on the layer of its letter.
+    """
+    if machine.profile == "pre_dashed" and not scored:
+        return material.perforation
+    whole = {"mountain": ScoreStyle(), "valley": ScoreStyle(), "bands": []}
+    return material.perforation.model_copy(update=whole)
+
+
+def load_material(name_or_path: str | Path) -> Material:
+    """A shipped sheet material by name, or one of the user's own by the path of its TOML file.
+
+    Raises `InvalidJob` with every key at fault, and for what is printed.
+    """
+    return load_described(Material, "materials", name_or_path)
+
+
+def load_machine(name_or_path: str | Path) -> Machine:
+    """A shipped cutter by name, or one of the user's own by the path of its TOML file.
+
+    Raises `InvalidJob` with every key at fault, and for printers.
+    """
+    return load_described(Machine, "machines", name_or_path)

@@ -1,0 +1,451 @@
+"""Bodies stay apart in all states: exact distances, known overlaps, and what must be refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from flat_patterns import pattern_of
+from helpers import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from thick_sheets import SIDE_MM, book, creased, folded, solid
+
+from fab.clearance.pair_checks import promised_mm
+from fab.clearance.soundness import parts_of
+from fab.clearance.thick_inspection import inspect_thick
+from fab.errors import Severity
+from fab.folding.folded_states import Stage, flat_panels, folded_states, panels_at
+from fab.formats.fold_reader import read_pattern
+from fab.geometry.bodies import bodies_of, stacked
+from fab.geometry.booleans import joined_mesh, manifolds
+from fab.geometry.separating_planes import apart_along, apart_at_least, near_pairs
+from fab.panels.bevelled_panels import PanelSettings, make_panels
+from fab.panels.hinges import HingeSettings
+from fab.panels.thick_sheet import thicken
+from fab.pattern.crease_pattern import CreasePattern, crease_pattern
+from fab.pattern.development import develop
+from solver import Miura
+from solver.errors import InvalidValue
+
+
+def inspected(sheet, states, **options):
+    return inspect_thick(sheet, joined_mesh(sheet.joining), states, **options)
+
+
+def target(pattern):
+    return panels_at(pattern, pattern.folded_coords, Stage.TARGET, 1.0)
+
+
+def bare(sheet, back):
+    """The panels of a sheet with other setbacks, without hinges."""
+    panels, _ = make_panels(sheet.pattern, sheet.panels.heights_mm, back)
+    count = len(panels.bodies)
+    return replace(
+        sheet,
+        panels=panels,
+        bodies=panels.bodies,
+        names=sheet.names[:count],
+        faces=sheet.faces[:count],
+        creases=sheet.creases[:count],
+        flexible=sheet.flexible[:count],
+        held=np.empty(0, np.int64),
+        joining=panels.bodies,
+    )
+
+
+def codes(findings):
+    return [finding.code for finding in findings]
+
+
+@pytest.fixture(scope="module")
+def miura():
+    mesh = Miura(columns=5, rows=4).grow().mesh
+    pattern = crease_pattern(mesh, develop(mesh), 20.0)
+    sheet = solid(pattern, thickness_mm=0.8, gap_mm=0.4)
+    return sheet, folded_states(pattern)[0]
+
+
+def test_a_sheet_keeps_its_promise_flat_folded_and_between(miura):
+    sheet, states = miura
+    figures, findings = inspected(sheet, states)
+    assert findings == []
+    assert [state.state for state in figures.states][::9] == ["flat", "at the target"]
+    assert len(figures.states) == 10
+    flat, *between, last = [state.clearance_min_mm for state in figures.states]
+    steepest = np.radians(np.abs(sheet.pattern.edges_foldAngle).max())
+    assert flat == pytest.approx(0.4, abs=1e-9)
+    assert last == pytest.approx(0.4 * np.cos(steepest / 2), abs=1e-9)
+    assert all(last < gap < flat for gap in between)
+    assert figures.clearance_min_mm == last
+    assert figures.overlap_max_mm3 <= 1e-9
+    assert figures.volume_mm3 == pytest.approx(sheet.bodies.volumes_mm3().sum())
+    webs = sheet.bodies.volumes_mm3()[len(sheet.panels.bodies) :].sum()
+    assert figures.flexible_mm3 == pytest.approx(webs)
+    bottoms = sheet.panels.bodies.volumes_mm3().sum() / 0.8
+    assert bottoms < figures.bed_area_mm2 < np.prod(np.ptp(sheet.pattern.vertices_coords, axis=0))
+
+
+@given(
+    st.floats(-150, 150),
+    st.floats(0, 1),
+    st.floats(0.3, 3),
+    st.floats(0.05, 0.8),
+    st.sampled_from([0.0, 0.3, 1.0, -0.7]),
+)
+@settings(max_examples=60, deadline=None)
+def test_what_is_promised_is_the_exact_distance(angle, share, thickness, gap, axis):
+    pattern = book(angle)
+    low = -axis * thickness
+    panel = PanelSettings(thickness_mm=thickness, gap_mm=gap, axis="offset", axis_mm=-low)
+    sheet, _ = thicken(pattern, panel, HingeSettings(kind="none"))
+    if len(sheet.panels.bodies) < 2:
+        return
+    pattern = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
+    state = replace(target(pattern), stage=Stage.BETWEEN)
+    back, heights = sheet.panels.setbacks, sheet.panels.heights_mm
+    crease = int(np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0])
+    promised = promised_mm(back, heights, state.angles_deg)[crease]
+    one, two = manifolds(sheet.panels.bodies.moved(state.turns, state.shifts))
+    assert one.min_gap(two, 10 * SIDE_MM) == pytest.approx(promised, abs=1e-7)
+    at_target = promised_mm(back, heights, pattern.edges_foldAngle)[crease]
+    assert at_target == pytest.approx(back.clearance_mm[crease], abs=1e-9)
+
+
+@pytest.mark.parametrize(("axis", "reach"), [("bottom", 3.0), ("middle", 1.5)])
+@pytest.mark.parametrize("wrong_side", [False, True])
+def test_straight_cuts_and_bevels_on_the_wrong_side_overlap_as_computed(axis, reach, wrong_side):
+    """Past the plane halfway between both reaches a triangle of each, all of it in the other."""
+    pattern = book(60.0)
+    sheet = solid(pattern, thickness_mm=3.0, gap_mm=0.4, axis=axis)
+    assert inspected(sheet, [flat_panels(pattern), target(pattern)])[1] == []
+    back = sheet.panels.setbacks
+    below = back.above if wrong_side else 0 * back.above
+    naive = bare(sheet, replace(back, above=0 * back.above, below=below))
+    figures, findings = inspected(naive, [target(pattern)])
+    slope, s0 = np.tan(np.radians(30)), 0.2
+    expected = SIDE_MM * (reach - s0 / slope) * (reach * slope - s0)
+    assert figures.overlap_max_mm3 == pytest.approx(expected, rel=1e-9)
+    (overlap,) = [f for f in findings if f.code == "solids-overlap"]
+    crease = int(np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0])
+    assert (overlap.panels, overlap.creases) == ((0, 1), (crease,))
+    assert overlap.severity == Severity.ERROR
+    assert overlap.text.startswith("at the target: panel 0 and panel 1 across crease")
+
+
+def test_a_panel_that_is_too_large_is_caught_and_named(miura):
+    sheet, states = miura
+    meshes = [sheet.bodies.mesh(i) for i in range(len(sheet.bodies))]
+    grown = meshes[7].vertices_coords.copy()
+    middle = grown.mean(axis=0)
+    grown[:, :2] += 0.1 * np.sign(grown - middle)[:, :2]
+    meshes[7] = replace(meshes[7], vertices_coords=grown)
+    wrong = replace(sheet, bodies=bodies_of(meshes), joining=bodies_of(meshes))
+    _, findings = inspected(wrong, states)
+    near = [f for f in findings if f.code == "clearance-too-small"]
+    assert near
+    assert all(7 in f.panels and f.creases for f in near)
+    assert "flat" in near[0].text
+    assert "clearance-between" in codes(findings)
+
+
+def test_a_panel_in_a_wrong_pose_is_caught_and_named(miura):
+    sheet, states = miura
+    last = states[-1]
+    angle = np.radians(5.0)
+    tilt = np.array(
+        [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
+    )
+    turns, shifts = last.turns.copy(), last.shifts.copy()
+    corners = sheet.pattern.vertices_coords[sheet.pattern.faces_vertices[36:40]]
+    middle = turns[9, :, :2] @ corners.mean(axis=0) + shifts[9]
+    turns[9] = tilt @ turns[9]
+    shifts[9] = middle + tilt @ (shifts[9] - middle)
+    _, findings = inspected(sheet, [replace(last, turns=turns, shifts=shifts)])
+    named = [f for f in findings if f.code in ("clearance-too-small", "solids-overlap")]
+    assert named
+    assert all(9 in f.panels for f in named)
+    # on the way it is a warning
+    between = replace(last, turns=turns, shifts=shifts, stage=Stage.BETWEEN, share=0.5)
+    _, findings = inspected(sheet, [between])
+    assert set(codes(findings)) <= {"panels-jam", "clearance-between"}
+    assert findings
+    assert all(f.severity == Severity.WARNING and "at 50 % of the fold" in f.text for f in findings)
+
+
+def test_panels_with_two_creases_in_common_are_checked_at_both():
+    flat = np.array([[0, 0], [0, 0.5], [0, 1], [1, 0], [1, 1], [-1, 0], [-1, 1]]) * SIDE_MM
+    pattern = creased(flat, [[0, 3, 4, 2, 1], [0, 1, 2, 6, 5]], 60.0)
+    sheet = solid(pattern, thickness_mm=2.0, gap_mm=0.5)
+    figures, findings = inspected(sheet, [target(pattern)])
+    assert findings == []
+    assert figures.states[0].pairs_checked == 2
+    assert figures.clearance_min_mm == pytest.approx(0.5 * np.cos(np.radians(30)))
+
+
+def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
+    pattern = book(60.0)
+    hinge = HingeSettings(kind="knuckle", play_mm=0.3)
+    sheet, told = thicken(pattern, PanelSettings(thickness_mm=4.0, axis="middle"), hinge)
+    assert told == []
+    assert len(sheet.held) == 1
+    states = [flat_panels(pattern), target(pattern)]
+    figures, findings = inspected(sheet, states)
+    assert findings == []
+    assert figures.bodies == 1
+    # polygons of a barrel come a little nearer to the pin than their circles
+    assert all(0.2 < state.clearance_min_mm <= 0.3 + 1e-9 for state in figures.states)
+    halfway = replace(pattern, folded_coords=folded(pattern.vertices_coords, 30.0))
+    states.append(replace(target(halfway), stage=Stage.BETWEEN, share=0.5))
+    assert inspected(sheet, states)[1] == []
+    shifts = states[1].shifts.copy()
+    shifts[0, 1] += 0.5
+    _, findings = inspected(sheet, [replace(states[1], shifts=shifts)])
+    assert codes(findings) == ["solids-overlap"]
+
+
+@given(st.floats(-130, 130), st.floats(0, 1), st.floats(0, 0.05), st.integers(0, 99))
+@settings(max_examples=25, deadline=None)
+def test_knuckles_whose_axis_slips_are_not_told_to_be_farther_apart_than_they_are(
+    angle, share, slip, seed
+):
+    pattern = book(angle)
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0)
+    sheet, _ = thicken(pattern, PanelSettings(thickness_mm=3.2, axis="middle"), hinge)
+    if not len(sheet.held):
+        return
+    way = np.random.default_rng(seed).normal(size=3)
+    partly = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
+    state = replace(target(partly), stage=Stage.BETWEEN, share=share)
+    shifts = state.shifts.copy()
+    shifts[1] += slip * way / np.linalg.norm(way)
+    state = replace(state, shifts=shifts)
+    one, two = manifolds(sheet.posed(partly.folded_coords))
+    exact = one.min_gap(two.translate(shifts[1] - target(partly).shifts[1]), 1.0)
+    told = inspected(sheet, [state])[0].states[0].clearance_min_mm
+    assert told <= exact + 1e-9
+    # and the bound is of use: it loses no more than what a slip could cost
+    assert told >= 0.25 - 1.6 * slip - 1e-9
+
+
+def test_overlap_of_knuckles_between_faces_that_bend_is_a_warning():
+    pattern = book(60.0)
+    hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0)
+    sheet, _ = thicken(pattern, PanelSettings(thickness_mm=4.0, axis="middle"), hinge)
+    state = target(pattern)
+    shifts = state.shifts.copy()
+    shifts[0, 1] += 0.4
+    for bend, severity in ((0.0, Severity.ERROR), (0.2, Severity.WARNING)):
+        slipped = replace(state, shifts=shifts, bend_mm=bend)
+        (finding,) = inspected(sheet, [slipped])[1]
+        assert (finding.code, finding.severity) == ("solids-overlap", severity)
+        assert "up to 0.15 mm deep" in finding.text  # 0.4 less the play of 0.25
+        assert ("0.2 mm off the bent faces" in finding.text) is (bend > 0)
+
+
+def test_panels_without_a_common_crease_must_not_touch(miura):
+    sheet, states = miura
+    shifts = states[0].shifts.copy()
+    shifts[:10] += [0.0, 0.0, 0.5]  # two rows lifted, then laid over the others
+    shifts[:10, 1] += 15.0
+    lifted = replace(states[0], stage=Stage.BETWEEN, share=0.3, shifts=shifts)
+    _, findings = inspected(sheet, [lifted])
+    assert "panels-jam" in codes(findings)
+    _, findings = inspected(sheet, [replace(lifted, stage=Stage.TARGET)])
+    strangers = [f for f in findings if f.code == "solids-overlap" and not f.creases]
+    assert strangers
+    assert "0.3 mm deep" in strangers[0].text
+    shifts[:10, 2] = 0.9
+    _, findings = inspected(sheet, [replace(lifted, stage=Stage.TARGET, shifts=shifts)])
+    assert "solids-overlap" not in codes(findings)
+    assert "panels-close" in codes(findings)
+
+
+def test_creases_over_the_limit_end_the_check_there():
+    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "popup.fold")
+    states, findings = folded_states(pattern, 8)
+    assert findings == []
+    sheet = solid(pattern, thickness_mm=0.8, gap_mm=0.4, fold_limit_deg=40.0)
+    figures, findings = inspected(sheet, states, limit_deg=40.0)
+    (blocked,) = findings
+    assert blocked.code == "fold-blocked"
+    assert "fold to 44 % of the target" in blocked.text
+    assert len(blocked.creases) == (np.abs(pattern.edges_foldAngle) > 0).sum()
+    assert [state.state for state in figures.states][-1] == "at 44 % of the fold"
+    assert len(inspected(sheet, states, limit_deg=39.99)[0].states) == 4
+    # panels made for 40 degrees do not reach 90
+    _, findings = inspected(sheet, states)
+    assert {"solids-overlap", "panels-jam"} <= set(codes(findings))
+
+
+def test_states_of_patterns_that_fold_flat_and_of_those_that_do_not_fold():
+    states, findings = folded_states(book(0.0))
+    assert [state.name for state in states] == ["flat"]
+    assert findings == []
+    pattern = book(90.0)
+    states, findings = folded_states(pattern, 2)
+    assert [s.name for s in states] == [
+        "flat",
+        "at 33 % of the fold",
+        "at 67 % of the fold",
+        "at the target",
+    ]
+    crease = np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0]
+    assert [s.angles_deg[crease] for s in states] == pytest.approx([0, 30, 60, 90])
+    assert max(s.bend_mm for s in states) < 1e-9
+    assert [s.name for s in folded_states(pattern, 0)[0]] == ["flat", "at the target"]
+    with pytest.raises(InvalidValue, match="count"):
+        folded_states(pattern, -1)
+
+
+def test_states_tell_the_share_of_angles_that_they_reach():
+    """A square twist does not fold rigidly: pulled at its creases it lies still, and then snaps."""
+    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "square_twist.fold")
+    states, _ = folded_states(pattern, 4)
+    inner = pattern.edges_faces[:, 1] >= 0
+    for state in states[1:-1]:
+        # bent into a bowl, mountains are on the wrong side
+        right = state.angles_deg[inner] * pattern.edges_foldAngle[inner] > 0
+        angles = np.abs(state.angles_deg[inner][right])
+        assert 0 < len(angles) < inner.sum()
+        assert state.share == pytest.approx(angles.sum() / (180 * inner.sum()))
+        assert 0 < state.share < 0.03
+        assert state.name == f"at {100 * state.share:.2g} % of the fold"
+    assert len({state.name for state in states}) == len(states)
+    assert states[-1].name == "at the target"
+
+
+def test_a_fold_that_misses_its_target_is_told():
+    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "resch.fold")
+    states, (finding,) = folded_states(pattern, 3)
+    assert (finding.code, finding.severity) == ("target-not-reached", Severity.NOTE)
+    assert states[-1].stage == Stage.TARGET
+    mesh = Miura(columns=3, rows=3).grow().mesh
+    pattern = crease_pattern(mesh, develop(mesh), 20.0)
+    angle = pattern.edges_foldAngle.copy()
+    inner = np.flatnonzero(angle)
+    angle[inner[0]] *= -0.5
+    states, findings = folded_states(replace(pattern, edges_foldAngle=angle, folded_coords=None), 3)
+    assert [f.severity for f in findings] == [Severity.WARNING]
+    assert states[-1].stage == Stage.BETWEEN
+
+
+def test_unsound_bodies_are_caught(miura):
+    sheet, states = miura
+    mesh = sheet.bodies.mesh(3)
+    others = [sheet.bodies.mesh(i) for i in range(len(sheet.bodies))]
+
+    def found(changed):
+        bodies = bodies_of([*others[:3], changed, *others[4:]])
+        wrong = replace(sheet, bodies=bodies)
+        return [
+            f
+            for f in inspect_thick(wrong, joined_mesh(sheet.joining), states[:1])[1]
+            if f.code == "solid-invalid"
+        ]
+
+    assert found(mesh) == []
+    opened = replace(mesh, triangles=mesh.triangles[1:], triangles_plane=mesh.triangles_plane[1:])
+    (finding,) = found(opened)
+    assert finding.panels == (3,)
+    (finding,) = found(replace(mesh, triangles=mesh.triangles[:, ::-1]))
+    assert "panel 3 is not a valid solid" in finding.text
+    count = len(mesh.vertices_coords)
+    twice = replace(
+        mesh,
+        vertices_coords=np.concatenate(
+            [mesh.vertices_coords, mesh.vertices_coords + np.array([0, 0, 9])]
+        ),
+        triangles=np.concatenate([mesh.triangles, mesh.triangles + count]),
+        triangles_plane=np.concatenate([mesh.triangles_plane, mesh.triangles_plane + 99]),
+    )
+    (finding,) = found(twice)
+    assert "2 parts" in finding.text
+    assert parts_of(bodies_of([mesh, twice])).tolist() == [1, 2]
+
+
+def test_loose_panels_and_a_wrong_joined_body_are_caught(miura):
+    sheet, states = miura
+    loose = bare(sheet, sheet.panels.setbacks)
+    figures, findings = inspect_thick(loose, joined_mesh(sheet.joining), states[:1])
+    assert figures.bodies == 20
+    assert codes(findings) == ["joined-invalid", "panels-loose"]
+
+
+def boxes(corners, sizes):
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    parts = []
+    for (x, y, z), (a, b, c) in zip(corners, sizes, strict=True):
+        ring = square * [a, b] + [x, y]
+        solid = stacked(np.stack([ring, ring], axis=1), np.array([0, 4]), np.array([z, z + c]))
+        parts.append(solid.mesh(0))
+    return bodies_of(parts)
+
+
+def turned(bodies, seed):
+    """Each body turned about its own place at random."""
+    rng = np.random.default_rng(seed)
+    turns, _ = np.linalg.qr(rng.normal(size=(len(bodies), 3, 3)))
+    turns[:, :, 0] *= np.linalg.det(turns)[:, None]
+    return bodies.moved(turns, rng.normal(size=(len(bodies), 3)))
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=40, deadline=None)
+def test_planes_never_claim_more_than_the_exact_distance(seed):
+    rng = np.random.default_rng(seed)
+    bodies = turned(boxes(rng.uniform(-2, 2, (12, 3)), rng.uniform(0.1, 1.5, (12, 3))), seed)
+    pairs = np.array([(i, j) for i in range(12) for j in range(i + 1, 12)])
+    solids = manifolds(bodies)
+    exact = np.array([solids[i].min_gap(solids[j], 100.0) for i, j in pairs.tolist()])
+    bound = apart_at_least(bodies, pairs, np.full(len(pairs), np.inf))
+    assert (bound <= exact + 1e-9).all()
+    # and they decide nearly all that is to be decided
+    apart = exact > 0.05
+    assert (bound[apart] > 0.5 * exact[apart]).mean() > 0.95
+    way = rng.normal(size=(len(pairs), 3))
+    way /= np.linalg.norm(way, axis=1)[:, None]
+    assert (apart_along(bodies, pairs, way) <= exact + 1e-9).all()
+    overlap = np.array([(solids[i] ^ solids[j]).volume() for i, j in pairs.tolist()])
+    assert (bound[overlap > 1e-9] < 0).all()
+    reach = 0.3
+    near = {tuple(pair) for pair in near_pairs(bodies, reach).tolist()}
+    assert {tuple(p) for p in pairs[exact < reach].tolist()} <= near
+    low, high = bodies.boxes()
+    wide = ((low[:, None] <= high + reach) & (low <= high[:, None] + reach)).all(axis=2)
+    assert near == {tuple(p) for p in pairs.tolist() if wide[tuple(p)]}
+
+
+def test_planes_between_boxes_are_exact():
+    bodies = boxes([[0, 0, 0], [1.5, 0, 0], [0.25, 0.5, 0.75]], [[1, 1, 1]] * 3)
+    pairs = np.array([[0, 1], [0, 2], [1, 2]])
+    apart = apart_at_least(bodies, pairs, np.array([0.5, 1.0, 1.0]))
+    assert apart[:2] == pytest.approx([0.5, -0.25])
+    assert apart_along(bodies, pairs[:1], np.array([[np.nan] * 3])).tolist() == [-np.inf]
+    assert near_pairs(bodies, 0.4).tolist() == [[0, 2], [1, 2]]
+    assert near_pairs(bodies, 0.6).tolist() == [[0, 1], [0, 2], [1, 2]]
+    assert near_pairs(boxes([], []), 1.0).shape == (0, 2)
+
+
+def two_pieces(apart_mm: float) -> CreasePattern:
+    """Two books beside each other."""
+    one = book(90.0)
+    beside = one.vertices_coords + np.array([0, SIDE_MM + apart_mm])
+    faces = [[0, 2, 3, 1], [4, 0, 1, 5], [6, 8, 9, 7], [10, 6, 7, 11]]
+    pattern = pattern_of(np.concatenate([one.vertices_coords, beside]), faces, "V")
+    # both pieces in one place, as no one folds them
+    return replace(pattern, folded_coords=np.concatenate([one.folded_coords] * 2))
+
+
+def test_pieces_of_a_sheet_are_not_loose_and_meet_only_when_flat():
+    pattern = two_pieces(3.0)
+    assert pattern.faces_piece.tolist() == [0, 0, 1, 1]
+    target = panels_at(pattern, pattern.folded_coords, Stage.TARGET, 1.0)
+    sheet, _ = thicken(pattern, PanelSettings(), HingeSettings())
+    joined = joined_mesh(sheet.joining)
+    figures, findings = inspect_thick(sheet, joined, [flat_panels(pattern), target])
+    assert figures.bodies == 2
+    assert findings == []
+    near = two_pieces(-0.5)  # over each other
+    sheet, _ = thicken(near, PanelSettings(), HingeSettings())
+    _, findings = inspect_thick(sheet, joined_mesh(sheet.joining), [flat_panels(near)])
+    assert "solids-overlap" in codes(findings)

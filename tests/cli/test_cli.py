@@ -1,0 +1,411 @@
+"""The command line: answers, exit codes, what is imported, and README's own words."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from click.testing import CliRunner
+from helpers import PATTERNS, ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
+
+from fab.cli.group import main
+
+
+def names_in(folder) -> list[str]:
+    return sorted(path.name for path in Path(folder).iterdir())
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, [str(a) for a in arguments])
+
+
+def test_run_writes_what_it_says(here):
+    result = run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "dxf,SVG,fold")
+    assert result.exit_code == 0, result.output
+    names = ["miura.dxf", "miura.fold", "miura.svg", "report.json"]
+    assert names_in("out") == names
+    for name in names:
+        path = Path("out") / name
+        assert f"wrote {path}  {path.stat().st_size} bytes\n" in result.output
+
+
+def test_dry_run_writes_nothing(here):
+    result = run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "dxf", "--dry-run")
+    assert result.exit_code == 0
+    assert "would write" in result.output
+    assert names_in(".") == []
+
+
+def test_errors_in_the_report_give_exit_code_1_and_all_files(here):
+    result = run(
+        "run", TEMPLATES / "curved_fold.toml", "--set", "design.k_deg=187.2", "--only", "dxf"
+    )
+    assert result.exit_code == 1
+    assert "error: development-overlaps" in result.output
+    assert names_in(".") == ["curved_fold.dxf", "report.json"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["run", "missing.toml"],
+        ["run", TEMPLATES / "miura.toml", "--only", "dfx"],
+        ["run", TEMPLATES / "miura.toml", "--only", ""],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.colums=4"],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.fold_deg=nan"],
+        ["run", TEMPLATES / "miura.toml", "--set", "design.fold_deg=90"],
+        ["run", TEMPLATES / "miura.toml", "--set", "name=../up"],
+        ["run", TEMPLATES / "miura.toml", "--out", "/dev/null/below"],
+        ["run", TEMPLATES / "crumpled.toml", "--set", "design.k_deg=20.0"],
+        ["run", TEMPLATES / "curved_fold.toml", "--set", "design.k_deg=1.0"],
+        ["run"],
+        ["new", "nothing"],
+        ["thicken", "missing.fold"],
+        ["thicken", TEMPLATES / "miura.toml"],
+        ["thicken", PATTERNS / "box.fold", "--set", "panels.thickness_mm=-1"],
+        ["thicken", PATTERNS / "box.fold", "--set", "panels.clearance_mm=-0.1"],
+        ["thicken", PATTERNS / "box.fold", "--set", "hinges.web_mm=3.0"],
+        ["thicken", PATTERNS / "box.fold", "--set", "sheet.width_mm=3.0"],
+        ["thicken", PATTERNS / "box.fold", "--printer", "prusa"],
+        ["thicken", PATTERNS / "box.fold", "--material", "card_300gsm"],
+        ["thicken", PATTERNS / "box.fold", "--only", "dxf"],
+        ["thicken", PATTERNS / "box.fold", "--width-mm", "-5"],
+        ["thicken", PATTERNS / "miura.fold", "--width-mm", "3e7", "--only", "stl"],
+        ["thicken", PATTERNS / "box.fold", "--width-mm", "5", "--scale", "2"],
+        ["check", "missing.fold"],
+        ["check", TEMPLATES / "miura.toml"],
+        ["unknown"],
+    ],
+)
+def test_bad_input_gives_exit_code_2_and_writes_nothing(here, arguments):
+    result = run(*arguments)
+    assert result.exit_code == 2, result.output
+    assert len(result.output.strip()) > 20
+    assert "Traceback" not in result.output
+    assert names_in(".") == []
+
+
+def test_templates_are_listed_and_copied(here):
+    result = run("templates")
+    assert result.exit_code == 0
+    lines = result.output.strip().splitlines()
+    assert [line.split()[0] for line in lines] == TEMPLATE_NAMES
+    assert all(len(line.split()) > 4 for line in lines)
+    assert run("new", "miura").exit_code == 0
+    assert run("new", "miura", "--out", "mine.toml").exit_code == 0
+    assert names_in(".") == ["mine.toml", "miura.toml"]
+    assert (here / "mine.toml").read_bytes() == (TEMPLATES / "miura.toml").read_bytes()
+    again = run("new", "miura")
+    assert again.exit_code == 2
+    assert "exists already" in again.output
+    long = run("new", "miura", "--out", 300 * "a")
+    assert long.exit_code == 2
+    assert "cannot be written: File name too long" in long.output
+    assert "Did you mean miura" in run("new", "mura").output
+
+
+def test_check_measures_a_fold_file(here):
+    (here / "good.fold").write_bytes(made_template("miura").files["miura.fold"])
+    result = run("check", "good.fold")
+    assert result.exit_code == 0, result.output
+    assert "M:76 V:66 F:0 B:36" in result.output
+    assert "crossings           0" in result.output
+    document = json.loads((here / "good.fold").read_text())
+    document["file_frames"][0]["vertices_coords"][20][2] += 0.5
+    (here / "bent.fold").write_text(json.dumps(document))
+    result = run("check", "bent.fold")
+    assert result.exit_code == 1
+    assert "not-planar" in result.output
+    assert run("check", "bent.fold", "--tolerance", "0").exit_code == 2
+    del document["file_frames"]
+    (here / "flat.fold").write_text(json.dumps(document))
+    result = run("check", "flat.fold")
+    assert result.exit_code == 2
+    assert "no folded frame" in result.output
+
+
+def test_suggest_prints_the_window_and_writes_nothing(here):
+    words = ["--set", "panels.thickness_mm=20.0", "--suggest", "--out", "out"]
+    result = run("run", TEMPLATES / "miura.toml", *words)
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("20 of 80 faces have a panel, at width_mm = 200")
+    most = re.search(r"thickness_mm at most ([\d.]+)", result.output)[1]
+    wide = re.search(r"this thickness with width_mm at least ([\d.]+)", result.output)[1]
+    assert names_in(".") == []
+    for changes in ([f"panels.thickness_mm={most}"], [f"sheet.width_mm={wide}"]):
+        given = ["--set", "panels.thickness_mm=20.0", *(w for c in changes for w in ("--set", c))]
+        again = run("run", TEMPLATES / "miura.toml", "--suggest", *given)
+        assert again.output.startswith("80 of 80 faces have a panel"), again.output
+
+
+@pytest.mark.parametrize("axis", ["bottom", "middle"])
+def test_thicken_makes_files_of_any_fold_file(here, axis):
+    changes = ["panels.fold_limit_deg=120.0", "panels.thickness_mm=1.2", f"panels.axis={axis}"]
+    words = [word for change in changes for word in ("--set", change)]
+    file = PATTERNS / "square_twist.fold"
+    words += ["--printer", "prusa_mk4s", "--material", "pp_filament"]
+    dry = run("thicken", file, *words, "--dry-run", "--only", "stl")
+    assert dry.exit_code == 0, dry.output
+    assert names_in(".") == []
+    result = run("thicken", file, *words, "--width-mm", "150", "--out", "out")
+    assert result.exit_code == 0, result.output
+    kinds = ["3mf", "png", "step", "stl"]
+    names = [f"square_twist_thick.{kind}" for kind in kinds]
+    assert names_in("out") == sorted([*names, "square_twist_thick_report.json"])
+    assert all(name in result.output for name in names)
+    assert "9 panels, 12 hinges, 150 x 150 x 1.2 mm" in result.output
+    assert "warning: fold-blocked" in result.output
+    report = json.loads((here / "out" / "square_twist_thick_report.json").read_text())
+    assert report["settings"]["panels"]["axis"] == axis
+    assert report["printer"]["kind"] == "printer"
+    density = report["material"]["density_kg_m3"] * 1e-6
+    assert report["solids"]["mass_g"] == pytest.approx(report["solids"]["volume_mm3"] * density)
+    assert {output["file"] for output in report["outputs"]} == set(names)
+    left = run("thicken", file, *words, "--set", "panels.thickness_mm=200.0", "--out", "out")
+    assert left.exit_code == 1
+    assert "error: panel-vanishes: 9 faces have no panel" in left.output
+    assert "square_twist_thick.3mf and 3 more of this name are from an earlier run" in left.output
+
+
+def test_thicken_prints_what_is_larger_than_the_bed_in_parts(here):
+    words = ["--set", "panels.fold_limit_deg=120.0", "--printer", "prusa_mk4s", "--out", "out"]
+    file = PATTERNS / "square_twist.fold"
+    result = run("thicken", file, *words, "--width-mm", "400", "--only", "stl,3mf,zip")
+    assert result.exit_code == 0, result.output
+    report = json.loads((here / "out" / "square_twist_thick_report.json").read_text())
+    plates = report["plates"]["plates"]
+    assert len(plates) > 1
+    assert sorted(face for plate in plates for p in plate for face in p["panels"]) == list(range(9))
+    made = {f"square_twist_thick_plate_{k + 1}" for k in range(len(plates))}
+    assert set(names_in("out")) == {
+        *(f"{name}.{kind}" for name in made for kind in ("stl", "3mf")),
+        "square_twist_thick_bodies.zip",
+        "square_twist_thick_report.json",
+    }
+    assert "note: sheet-divided" in result.output
+    assert "print-too-large" not in result.output
+    for name, parts in zip(sorted(made), plates, strict=True):
+        mesh = trimesh.load(here / "out" / f"{name}.stl")
+        assert mesh.is_watertight
+        assert mesh.bounds[0] == pytest.approx([*mesh.bounds[0][:2], 0.0], abs=1e-6)
+        assert (mesh.bounds[0][:2] >= 5 - 1e-4).all()
+        assert (mesh.bounds[1][:2] <= np.array([250, 210]) - 5 + 1e-4).all()
+        package = zipfile.ZipFile(here / "out" / f"{name}.3mf")
+        model = ElementTree.fromstring(package.read("3D/3dmodel.model"))
+        core = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
+        names = [thing.get("name") for thing in model.iter(f"{core}object")]
+        assert names == [part["part"] for part in parts]
+    again = run("thicken", file, *words, "--width-mm", "150", "--only", "stl")
+    assert again.exit_code == 0, again.output
+    assert "square_twist_thick_plate_1.stl and" in again.output
+    film = run("thicken", file, *words, "--width-mm", "400", "--set", "hinges.kind=film")
+    assert film.exit_code == 1
+    assert "error: print-too-large" in film.output
+
+
+def test_thicken_lengthens_webs_for_the_material(here):
+    words = ["--set", "panels.fold_limit_deg=90.0", "--set", "panels.thickness_mm=0.8"]
+    file = PATTERNS / "square_twist.fold"
+    webs = []
+    for material in ("tpu_95a_filament", "petg_filament"):
+        out = run(
+            "thicken", file, *words, "--material", material, "--out", material, "--only", "stl"
+        )
+        report = json.loads((here / material / "square_twist_thick_report.json").read_text())
+        webs.append(report["settings"]["hinges"]["strain_max"])
+        assert "hinge-strains" not in out.output
+    assert webs == [0.5, 0.05]
+    own = [*words, "--set", "hinges.strain_max=0.2", "--material", "petg_filament"]
+    result = run("thicken", file, *own, "--dry-run", "--only", "stl")
+    assert "hinge-strains" in result.output
+
+
+def test_thicken_leaves_as_much_play_as_the_printer_needs(here):
+    words = ["--set", "panels.axis=middle", "--set", "panels.thickness_mm=4.0", "--only", "stl"]
+    words += ["--set", "panels.fold_limit_deg=60.0", "--set", "hinges.kind=knuckle"]
+    words += ["--width-mm", "200", "--printer", "prusa_mk4s"]
+    plays = []
+    for own in ([], ["--set", "hinges.play_mm=0.25"]):
+        result = run("thicken", PATTERNS / "square_twist.fold", *words, *own)
+        report = json.loads((here / "square_twist_thick_report.json").read_text())
+        plays.append(report["settings"]["hinges"]["play_mm"])
+        assert ("gap-too-narrow" in result.output) == bool(own)
+    assert plays == [0.3, 0.25]
+
+
+def test_thicken_suggests_a_size_for_a_file(here):
+    file = PATTERNS / "square_twist.fold"
+    words = ["thicken", file, "--set", "panels.fold_limit_deg=150.0", "--suggest"]
+    result = run(*words)
+    assert result.exit_code == 0, result.output
+    wide = re.search(r"this thickness with width_mm at least ([\d.]+)", result.output)[1]
+    assert "9 of 9 faces" in run(*words, "--width-mm", wide).output
+    less = str(0.99 * float(wide))
+    assert "9 of 9 faces" not in run(*words, "--width-mm", less).output
+    assert names_in(".") == []
+
+
+def test_a_job_may_name_its_printer(here):
+    job = (TEMPLATES / "miura.toml").read_text()
+    printer = (TEMPLATES / "machines" / "prusa_mk4s.toml").read_text()
+    Path("mine").mkdir()
+    Path("mine/printer.toml").write_text(printer)
+    table = '[printer]\nmachine = "{}"\nmaterial = "pla_filament"\n'
+    Path("mine/job.toml").write_text(job + table.format("printer.toml"))
+    result = run("run", "mine/job.toml", "--only", "stl", "--out", "out")
+    report = json.loads(Path("out/report.json").read_text())
+    assert report["solids"]["mass_g"] > 0
+    assert "hinge-breaks" in result.output
+    Path("mine/job.toml").write_text(job + table.format("co2_40w_300x200"))
+    result = run("run", "mine/job.toml", "--only", "stl", "--out", "other")
+    assert result.exit_code == 2
+    assert not Path("other").exists()
+
+
+def test_a_sheet_that_crosses_itself_is_warned_of_when_made_and_when_checked(here):
+    wide = ("design.sides=9", "design.crease_length=0.5", "design.random_seed=6")
+    changes = [word for change in wide for word in ("--set", change)]
+    made = run("run", TEMPLATES / "random_tube.toml", "--only", "fold", *changes)
+    checked = run("check", "random_tube.fold")
+    for result in (made, checked):
+        assert result.exit_code == 0, result.output
+        assert "warning: sheet-crosses-itself" in result.output
+    assert "crossings           30" in checked.output
+
+
+def test_the_laser_path_imports_no_cad_kernel(here):
+    code = (
+        "import sys; from fab.cli.group import main\n"
+        "try: main(sys.argv[1:])\n"
+        "except SystemExit as e: assert e.code == 0, e.code\n"
+        "heavy = {'build123d', 'OCP', 'manifold3d', 'trimesh', 'matplotlib'} & set(sys.modules)\n"
+        "assert not heavy, heavy"
+    )
+    job = str(TEMPLATES / "curved_fold.toml")
+    subprocess.run(
+        [sys.executable, "-c", code, "run", job, "--only", "dxf,fold,svg", "--out", "out"],
+        check=True,
+    )
+    assert len(names_in("out")) == 4
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("delay_s", [0.8, 2.5, 4.0])
+def test_ctrl_c_leaves_no_half_file(here, delay_s):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fab", "run", str(TEMPLATES / "crumpled.toml"), "--out", "out"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    time.sleep(delay_s)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode != 0
+    assert b"Traceback" not in errors
+    assert not (here / "out").exists() or not names_in("out")
+
+
+def test_progress_is_silent_in_a_pipe(here):
+    done = subprocess.run(
+        [sys.executable, "-m", "fab", "run", str(TEMPLATES / "miura.toml"), "--only", "svg"],
+        capture_output=True,
+        check=True,
+    )
+    assert done.stderr == b""
+    assert b"\x1b" not in done.stdout
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="file names of POSIX")
+def test_what_the_terminal_cannot_show_is_escaped(here):
+    folder = os.fsdecode("ü".encode() + b"\xff")
+    words = ["run", str(TEMPLATES / "miura.toml"), "--only", "svg", "--out", folder]
+    done = subprocess.run(
+        [sys.executable, "-m", "fab", *words],
+        capture_output=True,
+        check=True,
+        env={**os.environ, "PYTHONIOENCODING": "ascii:strict"},
+    )
+    assert b"wrote \\xfc\\udcff/miura.svg" in done.stdout
+    assert names_in(folder) == ["miura.svg", "report.json"]
+
+
+def test_python_of_the_readme_runs(here):
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert len(blocks) == 2
+    done = subprocess.run(
+        [sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=True
+    )
+    assert "grown 360 faces" in done.stdout
+    assert names_in("out") == ["report.json", "sheet.dxf", "sheet.fold"]
+    assert run("run", TEMPLATES / "miura.toml", "--out", "out", "--only", "fold").exit_code == 0
+    subprocess.run([sys.executable, "-c", blocks[1]], capture_output=True, text=True, check=True)
+    folded = Path("folded.step").read_text()
+    assert folded.count("MANIFOLD_SOLID_BREP(") == 80
+
+
+def test_the_laser_part_of_the_readme_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Sheets for your laser")[2].partition("\n## ")[0]
+    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+    lines = [line.partition("#")[0].split() for line in block.splitlines()]
+    Path("out").mkdir()
+    Path("out/curved_fold.fold").write_bytes(made_template("curved_fold").files["curved_fold.fold"])
+    results = [run(*words[1:]) for words in lines]
+    assert all(result.exit_code == 0 for result in results), results
+    said = re.search(r"`(\d+ pieces, [^`]* minutes)`", part)[1]
+    assert said in results[-1].output
+    kinds = [f"curved_fold_1.{kind}" for kind in ("dxf", "pdf", "svg")]
+    assert names_in("sheets") == [*kinds, "curved_fold_report.json"]
+    assert "`curved_fold_report.json`" in part
+    assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
+    for side in re.findall(r"`(curved_fold_1_\w+)`", part):
+        assert f"{side}.dxf" in names_in("sheets")
+
+
+def test_the_printer_part_of_the_readme_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Thick panels")[2].partition("\n## ")[0]
+    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+    lines = [line.partition("#")[0].split() for line in block.splitlines()]
+    Path("out").mkdir()
+    Path("out/miura.fold").write_bytes(made_template("miura").files["miura.fold"])
+    Path("theirs.fold").write_bytes((PATTERNS / "square_twist.fold").read_bytes())
+    results = [run(*words[1:]) for words in lines]
+    assert [result.exit_code for result in results] == [0, 0, 0], results
+    assert "fold-blocked" in results[2].output
+    kinds = [f"miura_thick.{kind}" for kind in ("3mf", "png", "step", "stl")]
+    assert names_in("solid") == [*kinds, "miura_thick_report.json"]
+
+
+def test_commands_of_the_readme_exist():
+    text = (ROOT / "README.md").read_text()
+    for command in set(re.findall(r"^quadfold (\w+)", text, re.MULTILINE)):
+        assert run(command, "--help").exit_code == 0, command
+    assert run("--version").exit_code == 0
+
+
+def test_the_job_of_the_readme_is_a_job():
+    import tomllib
+
+    from fab.jobs.job import parse_job
+
+    job, surface = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert parse_job(tomllib.loads(job)).name == "miura"
+    whole = {**tomllib.loads(job), **tomllib.loads(surface)}
+    assert parse_job(whole).design.model_dump()["surface"] == "dome.stl"

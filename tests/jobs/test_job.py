@@ -1,0 +1,413 @@
+"""Jobs: templates, reports, bad input, and writing that loses nothing."""
+
+import errno
+import hashlib
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from helpers import TEMPLATE_NAMES, TEMPLATES, made_template
+
+from fab.errors import InvalidFile, InvalidJob, Severity
+from fab.jobs.job import Job, load_job, parse_job
+from fab.jobs.job_files import Format, make
+from fab.outputs import write
+from solver import DESIGNS, InvalidValue
+
+SMALL = {
+    "name": "small",
+    "design": {"kind": "miura", "columns": 3, "rows": 2},
+    "sheet": {"width_mm": 60.0},
+}
+
+
+def small(**changes):
+    document = {key: dict(v) if isinstance(v, dict) else v for key, v in SMALL.items()}
+    for key, value in changes.items():
+        table, _, inner = key.partition("__")
+        if inner:
+            document.setdefault(table, {})[inner] = value
+        elif value is None:
+            document.pop(table)
+        else:
+            document[table] = value
+    return document
+
+
+@pytest.mark.parametrize("name", TEMPLATE_NAMES)
+def test_every_template_is_exact_and_without_errors(name):
+    made = made_template(name)
+    report = made.report
+    assert made.within_tolerance, made.findings
+    assert report["planarity_max"] <= 1e-12
+    assert report["developability_max_rad"] <= 1e-12
+    # the faces of the longest ribbon are needles, and its walk of 10000 steps meets itself
+    needles = name == "brownian_ribbon_10000"
+    assert report["isometry_max_rel"] <= (1e-9 if needles else 1e-10)
+    assert report["crossings"] == (18 if needles else 0)
+    coverage = report["growth"]["coverage"]
+    assert (coverage is None) == (report["job"]["design"]["kind"] != "surface_fit")
+    assert coverage is None or coverage > 0.99
+    wanted = load_job(TEMPLATES / f"{name}.toml").outputs
+    names = [*(f"{name}.{f}" for f in wanted), "report.json"]
+    if {"step", "png"} <= set(wanted):
+        names.append(f"{name}_thick.png")
+    assert sorted(made.files) == sorted(names)
+    assert json.loads(made.files["report.json"])["job"]["name"] == name
+    if "step" in wanted:
+        assert report["solids"]["bodies"] == 1
+        assert report["solids"]["overlap_max_mm3"] <= 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "faces", "creases", "flat_mm", "solids"),
+    [
+        ("curved_fold", 1000, (940, 950, 220), (380.0, 194.717699), 2890),
+        ("miura", 80, (76, 66, 36), (200.0, 196.299091), 222),
+        ("cornered_miura", 97, (88, 84, 45), (350.0, 288.675135), 269),
+        ("crumpled", 800, (750, 790, 120), (390.0, 169.438234), 2267),
+        ("twisted_squares", 324, (283, 280, 170), (390.0, 245.84502), 866),
+        ("nested_cones", 1800, (1691, 1791, 236), (900.0, 584.963944), None),
+        ("brownian_ribbon", 10, (4, 5, 22), (300.0, 298.291976), 19),
+        ("surface_fit", 1760, (1738, 1698, 168), (600.0, 465.795138), 5196),
+        ("barrel", 2344, (2273, 2315, 200), (600.0, 554.008688), None),
+        ("cylinder", 2716, (2682, 2642, 216), (600.0, 568.300734), None),
+        ("hourglass", 2660, (2614, 2592, 228), (600.0, 550.795699), None),
+        ("helicoid_40", 496, (451, 481, 120), (400.0, 153.171827), None),
+        ("helicoid_80", 1550, (1472, 1516, 224), (600.0, 313.302499), None),
+        ("hypar_20", 526, (499, 499, 108), (400.0, 233.033266), None),
+        ("hypar_30", 1046, (1007, 1009, 152), (500.0, 265.902535), None),
+        ("hypar_40", 1734, (1678, 1678, 224), (600.0, 324.786617), None),
+        ("hypar_80", 6208, (6083, 6125, 416), (900.0, 466.572856), None),
+        ("hypar_160", 23510, (23290, 23322, 816), (1200.0, 615.627404), None),
+        ("landscape_20", 695, (655, 668, 134), (400.0, 314.910937), None),
+        ("landscape_40", 1755, (1706, 1704, 200), (600.0, 396.690192), None),
+        ("landscape_80", 6551, (6449, 6453, 400), (900.0, 512.754509), None),
+        ("landscape_160", 25238, (25046, 25034, 792), (1200.0, 666.848327), None),
+        ("paraboloid_10", 164, (150, 146, 64), (300.0, 251.602853), None),
+        ("paraboloid_20", 504, (478, 472, 116), (400.0, 332.850318), None),
+        ("paraboloid_40", 1754, (1687, 1697, 248), (600.0, 513.175336), None),
+        ("paraboloid_80", 6522, (6385, 6413, 492), (900.0, 778.738117), None),
+        ("paraboloid_160", 25030, (24783, 24787, 980), (1200.0, 1039.540577), None),
+        ("waves_straight", 1680, (1632, 1628, 200), (600.0, 438.353993), None),
+        ("waves_diagonal", 1343, (1296, 1292, 196), (600.0, 334.818747), None),
+        ("surface_fit_320", 76160, (75721, 76041, 1116), (2400.0, 1745.949909), None),
+        ("random_tube", 28, (32, 13, 22), (300.0, 49.002807), 73),
+        ("wave_fold", 1000, (940, 950, 220), (600.0, 176.402727), None),
+        ("elliptic_ring", 480, (450, 442, 136), (900.0, 86.647035), None),
+        ("trefoil_knot", 720, (675, 667, 196), (900.0, 46.066945), None),
+        ("crumpled_linear", 600, (560, 590, 100), (390.0, 246.038731), None),
+        ("brownian_ribbon_400", 400, (207, 192, 802), (1000.0, 992.407215), None),
+        ("brownian_ribbon_1000", 1000, (483, 516, 2002), (1000.0, 992.404045), None),
+        ("brownian_ribbon_10000", 10000, (4985, 5014, 20002), (10000.0, 9924.038916), None),
+        ("spiral_ribbon", 24, (11, 12, 50), (390.0, 351.780187), 47),
+    ],
+)
+def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
+    report = made_template(name).report
+    assert report["counts"]["faces"] == faces
+    assert tuple(report["counts"]["creases"][letter] for letter in "MVB") == creases
+    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, rel=2e-5)
+    if solids is None:
+        assert report["solids"] is None
+    else:
+        assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
+
+
+def test_there_is_a_template_for_every_design():
+    kinds = {load_job(TEMPLATES / f"{name}.toml").design.kind for name in TEMPLATE_NAMES}
+    assert kinds == set(DESIGNS)
+    assert all(load_job(TEMPLATES / f"{n}.toml").name == n for n in TEMPLATE_NAMES)
+
+
+def test_designs_of_the_job_are_those_of_the_solver_by_default():
+    for kind, cls in DESIGNS.items():
+        job = parse_job({**SMALL, "design": {"kind": kind}})
+        design = job.design.design(job.folder)
+        for name in cls.__dataclass_fields__:
+            value, default = getattr(design, name), getattr(cls(), name)
+            exact = default is None or isinstance(default, str)
+            assert value == (default if exact else pytest.approx(default, rel=1e-11)), name
+
+
+def test_the_report_describes_the_files():
+    made = make(parse_job(SMALL))
+    for output in made.report["outputs"]:
+        data = made.files[output["file"]]
+        assert output["bytes"] == len(data)
+        assert output["sha256"] == hashlib.sha256(data).hexdigest()
+    assert set(made.report["bounding_box_mm"]) == {"flat", "folded", "print"}
+    assert made.report["bounding_box_mm"]["flat"][0] == pytest.approx(60.0)
+    assert made.report["bounding_box_mm"]["print"][2] == pytest.approx(1.6)
+    assert set(made.report["seconds"]) >= {"grow", "develop", "dxf", "step", "png"}
+    assert made.report["job"]["panels"]["thickness_mm"] == 1.6
+    assert made.report["growth"]["status"] == "grown"
+
+
+def test_sheet_scale_is_width_or_factor():
+    by_factor = make(parse_job(small(sheet={"scale_mm_per_unit": 10.0})), [Format.SVG])
+    box = by_factor.report["bounding_box_mm"]["flat"]
+    assert box[0] == pytest.approx(10 * 3 * np.sin(np.radians(60)), abs=1e-6)
+
+
+def test_the_same_job_gives_the_same_bytes_in_another_process(tmp_path):
+    """All formats, dates and process-wide counters included."""
+    code = (
+        "import sys, pathlib; from fab.job import load_job; from fab.make import make, write\n"
+        "write(make(load_job(pathlib.Path(sys.argv[1]))), pathlib.Path(sys.argv[2]))"
+    )
+    for folder in ("one", "two"):
+        subprocess.run(
+            [sys.executable, "-c", code, str(TEMPLATES / "miura.toml"), str(tmp_path / folder)],
+            check=True,
+        )
+    made = made_template("miura")
+    for name, data in made.files.items():
+        one, two = ((tmp_path / f / name).read_bytes() for f in ("one", "two"))
+        if name == "report.json":
+            one, two, data = (
+                {k: v for k, v in json.loads(d).items() if k != "seconds"} for d in (one, two, data)
+            )
+        assert one == two == data, name
+
+
+def test_published_parameters_overlap_and_the_report_says_so():
+    document = {"name": "f4d", "design": {"kind": "curved_fold"}, "sheet": {"width_mm": 300.0}}
+    made = make(parse_job(document), [Format.DXF])
+    assert not made.within_tolerance
+    (finding,) = made.findings
+    assert finding.code == "development-overlaps"
+    assert finding.severity == Severity.ERROR
+    assert "`quadfold fabricate` cuts its FOLD file into pieces" in finding.text
+    assert finding.panels
+
+
+def test_growth_that_stops_is_an_error_with_advice():
+    design = {"kind": "curved_fold", "columns": 10, "step": 0.2, "k_deg": 183.0, "strips": 60}
+    document = small(design={**design, "flap_angle_deg": 150.0})
+    made = make(parse_job(document), [Format.FOLD])
+    assert made.report["growth"]["status"] != "grown"
+    assert made.report["growth"]["strips"] == 13
+    assert made.report["counts"]["faces"] == 130
+    assert made.findings[0].code == "growth-stopped"
+    assert made.report["growth"]["advice"] in made.findings[0].text
+    assert not made.within_tolerance
+
+
+@pytest.mark.parametrize(
+    ("document", "match"),
+    [
+        (small(colour="red"), "colour is not a known key"),
+        (small(panel={"thickness_mm": 2.0}), "panel is not a known key. Did you mean panels?"),
+        (small(design__colums=4), "design.colums is not a known key. Did you mean design.columns?"),
+        (small(design__fold=0.5), "Did you mean design.fold_deg?"),
+        (small(panels__thicknes_mm=2.0), "Did you mean panels.thickness_mm?"),
+        (small(perforation={"mountain": {"cut_mm": 1.0, "gap": 1.0}}), "mountain.gap_mm"),
+        (small(design__kind="miuri"), "must be one of .*, miura, .*. Did you mean miura"),
+        (small(design={"columns": 3}), "design.kind"),
+        (small(design=3), "design = 3 must be a table"),
+        (small(row=3), "row is not a known key. Did you mean design.rows"),
+        (small(thickness_mm=3), "Did you mean panels.thickness_mm"),
+        (small(sheet=[1]), "sheet = .1. must be a table"),
+        (
+            small(perforation__margin_mm=1e17),
+            "must be greater than 0 and at most 1000. Correct it .uncut at both ends",
+        ),
+        (small(name=None), "name is missing"),
+        (small(sheet=None), "sheet is missing"),
+        (small(name="../up"), "name = '../up'"),
+        (small(name="a/b"), "letters, digits"),
+        (small(name=".hidden"), "letters, digits"),
+        (small(name=""), "letters, digits"),
+        (small(name="x" * 101), "1 to 100"),
+        (small(name="a\nb"), "letters, digits"),
+        (small(name="good\n"), "letters, digits"),
+        (small(name=7), "name = 7"),
+        (small(sheet={"width_mm": -1.0}), "sheet.width_mm = -1.0 .* greater than 0"),
+        (small(sheet={"width_mm": float("nan")}), "sheet.width_mm = nan .*finite"),
+        (small(sheet={"width_mm": float("inf")}), "sheet.width_mm = inf .*finite"),
+        (small(sheet={"width_mm": "60"}), "sheet.width_mm = '60'"),
+        (small(sheet={"width_mm": True}), "sheet.width_mm = True"),
+        (small(sheet={}), "width_mm = None and scale_mm_per_unit = None, give exactly one"),
+        (small(sheet={"width_mm": 1.0, "scale_mm_per_unit": 1.0}), "exactly one"),
+        (small(design__columns=3.5), "design.columns = 3.5"),
+        (
+            small(panels__thickness_mm=0.0),
+            "panels.thickness_mm = 0.0 .* at least 0.01",
+        ),
+        (small(panels__gap_mm=-0.5), "panels.gap_mm"),
+        (small(hinges__web_mm=1.6), "hinges.web_mm = 1.6 must be below panels.thickness_mm = 1.6"),
+        (small(perforation__margin_mm=-0.1), "perforation.margin_mm"),
+        (small(perforation={"valley": {"cut_mm": 0.0, "gap_mm": 1.0}}), "valley.cut_mm = 0.0"),
+        (small(tolerance=0.0), "tolerance"),
+    ],
+)
+def test_bad_jobs_are_refused_with_value_bound_and_cure(document, match):
+    with pytest.raises(InvalidJob, match=match):
+        parse_job(document)
+
+
+@pytest.mark.parametrize(
+    "design",
+    [
+        {"kind": "curved_fold", "k_deg": 400.0},
+        {"kind": "curved_fold", "k_deg": -3.0},
+        {"kind": "crumpled", "beta_deg": 190.0},
+        {"kind": "crumpled", "beta_deg": 108.0, "k_deg": 100.0},
+        {"kind": "curved_fold", "crease_length": 0.0},
+        {"kind": "miura", "columns": 0},
+    ],
+)
+def test_designs_out_of_bounds_raise_before_anything_is_made(design):
+    key = next((k for k in design if k not in ("kind", "beta_deg")), "beta_deg")
+    with pytest.raises(InvalidJob, match=f"design.{key}: .* must lie"):
+        make(parse_job(small(design=design)), [Format.FOLD])
+
+
+def test_changes_are_laid_over_the_file():
+    job = load_job(
+        TEMPLATES / "miura.toml",
+        ["design.rows=3", "sheet.width_mm=99.5", "name=other", "perforation.mountain.cut_mm = 2.5"],
+    )
+    assert (job.design.rows, job.sheet.width_mm, job.name) == (3, 99.5, "other")
+    assert job.perforation.mountain.cut_mm == 2.5
+    assert job.perforation.mountain.gap_mm == 1.0
+
+
+@pytest.mark.parametrize("change", ["rows", "=3", "design.=3", "name.x=1", "design.rows=nan"])
+def test_bad_changes_are_refused(change):
+    with pytest.raises(InvalidJob):
+        load_job(TEMPLATES / "miura.toml", [change])
+
+
+def test_bad_files_are_refused(tmp_path):
+    with pytest.raises(InvalidJob, match=r"cannot be read.*quadfold new"):
+        load_job(tmp_path / "missing.toml")
+    with pytest.raises(InvalidJob, match="not a file"):
+        load_job(tmp_path)
+    (tmp_path / "bad.toml").write_text("name = [")
+    with pytest.raises(InvalidJob, match="not a TOML file"):
+        load_job(tmp_path / "bad.toml")
+    (tmp_path / "bad.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InvalidJob, match="not a TOML file"):
+        load_job(tmp_path / "bad.toml")
+
+
+def test_writing_replaces_old_files_and_leaves_nothing_beside_them(tmp_path):
+    made = make(parse_job(SMALL), [Format.SVG])
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "small.svg").write_text("old")
+    (tmp_path / "out" / "other.txt").write_text("kept")
+    write(made, tmp_path / "out")
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
+        "other.txt",
+        "report.json",
+        "small.svg",
+    ]
+    assert (tmp_path / "out" / "small.svg").read_bytes() == made.files["small.svg"]
+
+
+@pytest.mark.parametrize(
+    ("error", "raised", "text"),
+    [
+        (KeyboardInterrupt("stop"), KeyboardInterrupt, "stop"),
+        (OSError("stop"), InvalidJob, "stop. No half file was left. Choose another --out"),
+        (OSError(errno.ENOSPC, "full"), InvalidJob, "full. No half file was left. Free some space"),
+    ],
+)
+def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raised, text):
+    made = make(parse_job(SMALL), [Format.SVG, Format.DXF])
+    from pathlib import Path
+
+    written = Path.write_bytes
+    calls = []
+
+    def failing(self, data):
+        calls.append(self)
+        if len(calls) == 2:
+            written(self, data[:100])
+            raise error
+        return written(self, data)
+
+    monkeypatch.setattr(Path, "write_bytes", failing)
+    with pytest.raises(raised, match=text):
+        write(made, tmp_path / "fresh" / "out")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_the_place_of_a_file_keeps_all_old_files(tmp_path):
+    made = make(parse_job(SMALL), [Format.SVG])
+    (tmp_path / "report.json").mkdir()
+    (tmp_path / "small.svg").write_text("old")
+    with pytest.raises(InvalidJob, match=r"report\.json is a folder"):
+        write(made, tmp_path)
+    assert (tmp_path / "small.svg").read_text() == "old"
+
+
+def test_too_many_dashes_are_refused_before_they_fill_the_memory():
+    fine = {"cut_mm": 0.01, "gap_mm": 0.01}
+    job = parse_job(small(perforation={"mountain": fine}, sheet={"width_mm": 99000.0}))
+    with pytest.raises(InvalidValue, match="number of dashes"):
+        make(job, [Format.DXF])
+
+
+def test_a_sheet_of_which_no_crease_is_cut_is_an_error():
+    made = make(parse_job(small(perforation={"margin_mm": 100.0})), [Format.DXF])
+    assert {f.severity for f in made.findings} == {Severity.ERROR}
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("x")
+    made = make(parse_job(SMALL), [Format.SVG])
+    for target in ("file", "file/below"):
+        with pytest.raises(InvalidJob, match="is a file, not a folder"):
+            write(made, tmp_path / target)
+    assert (tmp_path / "file").read_text() == "x"
+
+
+def test_a_job_can_be_described_by_a_schema():
+    schema = Job.model_json_schema()
+    assert {"design", "sheet", "panels", "hinges", "perforation"} <= set(schema["properties"])
+
+
+def surface_job(**design):
+    return {**SMALL, "design": {"kind": "surface_fit", "columns": 12, **design}}
+
+
+def test_a_job_may_follow_a_mesh_beside_it(tmp_path):
+    x, y = np.meshgrid(np.linspace(-50, 50, 60), np.linspace(-40, 40, 60))
+    corners = np.arange(3600).reshape(60, 60)
+    quads = [corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]]
+    points = np.column_stack([x.ravel(), y.ravel(), 0.002 * (x**2 + y**2).ravel()])
+    lines = [f"v {a:.6f} {b:.6f} {c:.6f}" for a, b, c in points]
+    lines += ["f " + " ".join(map(str, face)) for face in np.stack(quads, -1).reshape(-1, 4) + 1]
+    (tmp_path / "my bowl.obj").write_text("\n".join(lines))
+    job = parse_job(surface_job(surface="my bowl.obj"), folder=tmp_path)
+    made = make(job, [Format.FOLD])
+    assert made.within_tolerance, made.findings
+    assert made.report["growth"]["coverage"] > 0.95
+    assert set(made.report["growth"]["chosen"]) == {"zigzag", "row_step", "turn_deg"}
+    wide = made.report["bounding_box_mm"]["folded"]
+    assert made.report["job"]["design"]["surface"] == "my bowl.obj"
+    assert max(wide) > 30.0
+
+
+@pytest.mark.parametrize(
+    ("design", "text"),
+    [
+        ({"surface": "wave"}, "wave.* must be one of .* or a file .* Did you mean waves"),
+        ({"surface": "nothing.stl"}, "no such file|name a file"),
+        ({"surface": "waves", "face": 2}, "only STEP files"),
+        ({"surface": "waves", "up": [0.0, 0.0, 1.0]}, "only meshes"),
+    ],
+)
+def test_surfaces_that_cannot_be_followed_are_named(tmp_path, design, text):
+    with pytest.raises((InvalidJob, InvalidFile), match=text):
+        make(parse_job(surface_job(**design), folder=tmp_path), [Format.FOLD])
+
+
+def test_a_direction_has_three_numbers():
+    with pytest.raises(InvalidJob, match=r"design\.up"):
+        parse_job(surface_job(surface="ball.stl", up=[0.0, 1.0]))

@@ -1,0 +1,439 @@
+"""Sheets larger than the printer: parts, their joints, and how they lie on plates."""
+
+import json
+from dataclasses import replace
+from math import cos, radians, sin, tan
+
+import numpy as np
+import pytest
+import shapely
+from flat_patterns import grid, pattern_of
+from helpers import ROOT, TEMPLATES
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from manifold3d import Manifold
+from pydantic import ValidationError
+
+from fab.formats.fold_reader import read_pattern
+from fab.geometry.booleans import manifold_of, manifolds, meshes, prism, solid
+from fab.jobs.grow import grown_pattern
+from fab.jobs.job import load_job
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.hinges import HingeSettings
+from fab.panels.thick_sheet import thicken
+from fab.printing.dovetails import jointed, make_joints
+from fab.printing.plate_settings import JointSettings, PlateSettings
+from fab.printing.plates import make_plates
+from solver.errors import InvalidValue
+
+BED = (210.0, 210.0)
+
+
+def two_panels(length=45.0, angle=60.0, letter="V", width=60.0):
+    """Two rectangles beside a crease at x = width, and their folded form; the second one moves."""
+    x = [0.0, width, 2 * width]
+    coords = [(x[0], 0), (x[1], 0), (x[2], 0), (x[2], length), (x[1], length), (x[0], length)]
+    pattern = pattern_of(coords, [[0, 1, 4, 5], [1, 2, 3, 4]], letter, angle=angle)
+    folded = np.column_stack([pattern.vertices_coords, np.zeros(6)])
+    turn = radians(angle if letter == "V" else -angle)
+    folded[[2, 3], 0] = width + width * cos(turn)
+    folded[[2, 3], 2] = width * sin(turn)
+    return replace(pattern, folded_coords=folded)
+
+
+def thick(pattern, thickness=1.6, axis="bottom", gap=1.0, web=0.4, limit=150.0):
+    panel = PanelSettings(thickness_mm=thickness, gap_mm=gap, axis=axis, fold_limit_deg=limit)
+    return thicken(pattern, panel, HingeSettings(web_mm=web))[0]
+
+
+def joined(sheet, **choices):
+    """The two panels with joints, the second one carrying the pockets: sheet, joints, findings."""
+    settings = JointSettings(**choices)
+    edge = int(np.flatnonzero(sheet.pattern.edges_faces[:, 1] >= 0)[0])
+    joints, findings = make_joints(sheet, np.array([[edge, 0, 1]]), settings)
+    return jointed(sheet, joints, settings)[0], joints[0], findings
+
+
+def bodies_of(sheet, kind):
+    """The solids whose names begin so, in their order."""
+    return [
+        manifold_of(sheet.bodies.mesh(number))
+        for number, name in enumerate(sheet.names)
+        if name.startswith(f"{kind}_")
+    ]
+
+
+def overlaps(bodies):
+    """The largest common volume of two bodies whose boxes touch."""
+    solids, (low, high) = manifolds(bodies), bodies.boxes()
+    tree = shapely.STRtree(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
+    pairs = np.transpose(tree.query(tree.geometries))
+    return max(((solids[i] ^ solids[j]).volume() for i, j in pairs.tolist() if i < j), default=0.0)
+
+
+# One joint
+
+
+@pytest.mark.parametrize("axis", ["bottom", "middle"])
+@pytest.mark.parametrize("letter", ["V", "M"])
+@pytest.mark.parametrize("fit", [0.05, 0.1, 0.2])
+def test_tongues_lie_in_their_pockets_with_the_fit_all_around(axis, letter, fit):
+    sheet, joint, findings = joined(thick(two_panels(letter=letter), axis=axis), fit_mm=fit)
+    assert findings == []
+    assert joint.kind == "dovetail"
+    tongues, pocket = bodies_of(sheet, "tongue"), bodies_of(sheet, "panel")[1]
+    assert len(tongues) == len(joint.tongues) == 4
+    for tongue in tongues:
+        assert tongue.min_gap(pocket, 1.0) == pytest.approx(fit, abs=1e-6)
+        # down is the way it comes in
+        assert (tongue.translate((0, 0, -3.0)) ^ pocket).volume() == 0
+        assert (tongue.translate((0, 0, fit - 1e-3)) ^ pocket).volume() == 0
+        assert (tongue.translate((0, 0, fit + 1e-3)) ^ pocket).volume() > 0
+
+
+@pytest.mark.parametrize("undercut", [10.0, 15.0, 30.0])
+def test_a_dovetail_slides_by_its_play_and_holds(undercut):
+    choices = {"undercut_deg": undercut, "fit_mm": 0.1}
+    sheet, _, _ = joined(thick(two_panels()), **choices)
+    play = 0.1 / sin(radians(undercut))
+    assert JointSettings(**choices).play_mm == pytest.approx(play)
+    pocket = bodies_of(sheet, "panel")[1]
+    for tongue in bodies_of(sheet, "tongue"):
+        assert (tongue.translate((0.01 - play, 0, 0)) ^ pocket).volume() == 0
+        assert (tongue.translate((-0.01 - play, 0, 0)) ^ pocket).volume() > 0
+        for far in ((-1.0, 0, 0), (1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0)):
+            assert (tongue.translate(far) ^ pocket).volume() > 0.01
+
+
+def test_nothing_is_lost_but_the_gaps():
+    old = thick(two_panels(letter="M"))  # upright sides, 0.5 mm from the crease
+    sheet, joint, _ = joined(old)
+    volume = dict(zip(sheet.names, sheet.bodies.volumes_mm3(), strict=True))
+    before = dict(zip(old.names, old.bodies.volumes_mm3(), strict=True))
+    panel = shapely.box(60.5, 0, 120.0, 45.0)
+    # half the thickness is tongue, 0.1 mm of fit above it
+    pockets = sum(0.9 * shapely.Polygon(ring).intersection(panel).area for ring in joint.pockets)
+    assert volume["panel_1"] == pytest.approx(before["panel_1"] - pockets, abs=1e-6)
+    assert volume["panel_0"] == before["panel_0"]
+    for number in range(len(joint.tongues)):
+        wide = 6.0 + 2 * 3.95 * tan(radians(15.0))  # after a neck of 0.05 mm
+        tongue = volume[f"tongue_{joint.crease}_{number + 1}"]
+        assert tongue == pytest.approx(0.8 * (0.05 * 6 + 3.95 * (6 + wide) / 2), abs=1e-6)
+        web = volume[f"hinge_{joint.crease}_{number + 1}"]
+        assert web == pytest.approx((6.0 - 0.1) * 0.4 * 1.0, abs=1e-6)
+
+
+@settings(max_examples=30)
+@given(
+    angle=st.floats(0.0, 150.0),
+    letter=st.sampled_from("MV"),
+    thickness=st.floats(0.6, 4.0),
+    axis=st.sampled_from(["bottom", "middle"]),
+    gap=st.floats(0.2, 2.0),
+    fit=st.floats(0.02, 0.15),
+    joint=st.sampled_from(["dovetail", "pin"]),
+)
+def test_joints_take_no_more_space_than_their_panels(
+    angle, letter, thickness, axis, gap, fit, joint
+):
+    old = thick(two_panels(angle=angle, letter=letter), thickness, axis, gap, web=0.3)
+    sheet, made, _ = joined(old, joint=joint, fit_mm=fit)
+    whole = bodies_of(old, "panel")[1]
+    parts = [*bodies_of(sheet, "tongue"), bodies_of(sheet, "panel")[1]]
+    for part in parts:
+        assert (part - whole).volume() < 1e-9
+        assert len(part.decompose()) == 1
+    flat = np.column_stack([sheet.pattern.vertices_coords, np.zeros(6)])
+    for coords in (flat, sheet.pattern.folded_coords):
+        assert overlaps(sheet.posed(coords)) < 1e-9
+    if made.kind != "tape":
+        # the part with the tongues hangs together, webs and all
+        numbers = [n for n, name in enumerate(sheet.names) if name != "panel_1"]
+        solids = manifolds(sheet.joining.chosen(np.array(numbers)))
+        assert len(sum(solids, Manifold()).decompose()) == 1
+
+
+def widest(size, fit=0.1):
+    """Width of the pocket of a dovetail of such a share of 6 x 4 mm, at 15 degrees."""
+    slope = radians(15.0)
+    return size * 6 + 2 * (size * 4 - 0.05) * tan(slope) + 2 * fit * (tan(slope) + 1 / cos(slope))
+
+
+@pytest.mark.parametrize("size", [1.0, 0.75, 0.5])
+@pytest.mark.parametrize("beyond", [-0.01, 0.01])
+def test_creases_as_long_as_a_pocket_with_its_walls_have_a_dovetail(size, beyond):
+    length = widest(size) + 2 * 1.2 + beyond
+    _, joint, findings = joined(thick(two_panels(length)))
+    if beyond > 0 or size > 0.5:
+        smaller = size if beyond > 0 else size - 0.25
+        assert findings == []
+        mouth = np.ptp(joint.mouths[0, :, 1])
+        assert mouth == pytest.approx(6 * smaller - 0.1)
+    else:
+        assert joint.kind == "tape"
+        (found,) = findings
+        assert found.code == "joint-tape"
+        assert found.creases == (joint.crease,)
+        assert f"{widest(0.5):.4g} x 2.2 mm and walls of 1.2 mm" in found.text
+
+
+@pytest.mark.parametrize("beyond", [-0.01, 0.01])
+def test_panels_as_wide_as_a_pocket_with_its_wall_have_a_dovetail(beyond):
+    # half the gap, a pocket of half the length, its fit and its wall
+    width = 0.5 + 2.0 + 0.1 + 1.2 + beyond
+    _, joint, _ = joined(thick(two_panels(letter="M", width=width)))
+    assert joint.kind == ("dovetail" if beyond > 0 else "tape")
+
+
+@pytest.mark.parametrize("beyond", [-0.01, 0.01])
+def test_two_tongues_stand_where_there_is_room_for_two(beyond):
+    length = 2 * widest(1.0) + 3 * 1.2 + beyond
+    _, joint, _ = joined(thick(two_panels(length)))
+    assert len(joint.tongues) == (2 if beyond > 0 else 1)
+
+
+def test_a_pocket_that_one_panel_has_no_room_for_lies_in_the_other():
+    pattern = two_panels()
+    narrow = pattern.vertices_coords.copy()
+    narrow[[2, 3], 0] = 62.0
+    sheet = thick(replace(pattern, vertices_coords=narrow))
+    _, joint, findings = joined(sheet)
+    assert joint.faces == (1, 0)
+    assert joint.kind == "dovetail"
+    assert findings == []
+
+
+def test_a_pin_goes_through_strap_and_roof():
+    sheet, joint, findings = joined(thick(two_panels()), joint="pin")
+    assert findings == []
+    assert joint.kind == "pin"
+    pocket = bodies_of(sheet, "panel")[1]
+    for tongue, hole in zip(bodies_of(sheet, "tongue"), joint.holes, strict=True):
+        middle = hole.mean(axis=0)
+        for radius, share in ((1.75 / 2, 0.0), (1.75 / 2 + 0.1, 1.0)):
+            pin = Manifold.cylinder(9.0, radius, circular_segments=64).translate((*middle, -3.0))
+            assert ((pin ^ tongue).volume() > 0) == ((pin ^ pocket).volume() > 0) == bool(share)
+        assert tongue.genus() == 1
+        # straight sides: without a pin it slides out
+        assert (tongue.translate((-3.0, 0, 0)) ^ pocket).volume() == 0
+
+
+def test_taped_creases_have_no_web():
+    old = thick(two_panels())
+    sheet, joint, findings = joined(old, joint="tape")
+    assert findings == []
+    assert joint.kind == "tape"
+    assert sheet.names == ("panel_0", "panel_1")
+    assert sheet.bodies.volumes_mm3().tolist() == old.bodies.volumes_mm3()[:2].tolist()
+
+
+def test_thin_panels_have_tongues_as_high_as_themselves():
+    # half of 0.96 mm, a fit of 0.1 mm and a roof of 0.4 mm do not go into it; into 1 mm they do
+    for thickness, top in ((0.96, 0.96), (1.0, 0.5)):
+        sheet, _, _ = joined(thick(two_panels(), thickness))
+        high = [tongue.bounding_box()[5] for tongue in bodies_of(sheet, "tongue")]
+        assert high == pytest.approx([top] * len(high))
+
+
+def test_a_tongue_without_a_roof_above_it_is_refused():
+    sheet = thick(two_panels(), 1.6)
+    assert joined(sheet, tongue_mm=1.1)[1].kind == "dovetail"
+    with pytest.raises(InvalidValue, match=r"tongue_mm = 1\.11 .* at most 1\.1 mm"):
+        joined(sheet, tongue_mm=1.11)
+    assert joined(sheet, tongue_mm=1.6)[1].kind == "dovetail"
+
+
+def test_a_fit_that_lets_tongues_slide_out_is_refused():
+    # half of the shortest tongue, 2 mm, times the sine of the undercut
+    JointSettings(fit_mm=0.99 * sin(radians(15.0)))
+    with pytest.raises(ValidationError, match=r"fit_mm = 0\.26.* at most 0\.2588"):
+        JointSettings(fit_mm=1.01 * sin(radians(15.0)))
+
+
+def test_bodies_under_the_whole_sheet_are_refused():
+    sheet = thick(two_panels())
+    film = replace(sheet, creases=np.full(len(sheet.bodies), -1))
+    with pytest.raises(InvalidValue, match=r"hinge_1 .* belong to a face or to a crease"):
+        jointed(film, [], JointSettings())
+
+
+def test_cut_bodies_know_their_sides():
+    box = meshes([prism(np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]]), 0.0, 2.0)])[0]
+    slot = prism(np.array([[4.0, -1], [6, -1], [6, 11], [4, 11]]), 1.0, 3.0)
+    (cut,) = meshes([solid(box) - slot])
+    # below four sides and the bottom; a slot with two walls and a floor cuts the top in two
+    names, first = np.unique(cut.triangles_plane, return_index=True)
+    assert len(names) == 4 + 1 + 3 + 2
+    corners = cut.vertices_coords[cut.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    for name, lead in zip(names, first, strict=True):
+        same = cut.triangles_plane == name
+        assert np.abs(normal[same] - normal[lead]).max() < 1e-9
+        assert np.ptp(corners[same] @ normal[lead]) < 1e-9
+
+
+# Whole sheets
+
+
+def enlarged(pattern, width_mm):
+    factor = width_mm / np.ptp(pattern.vertices_coords, axis=0).max()
+    folded = pattern.folded_coords
+    return replace(
+        pattern,
+        vertices_coords=pattern.vertices_coords * factor,
+        folded_coords=None if folded is None else folded * factor,
+    )
+
+
+MODELS = {
+    "miura": (600.0, "bottom", ()),
+    "twisted_squares": (600.0, "middle", ()),
+    "surface_fit": (420.0, "bottom", ("design.columns=16",)),
+    "waterbomb": (400.0, "bottom", ()),
+}
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def made(request):
+    width, axis, changes = MODELS[request.param]
+    file = ROOT / "tests" / "patterns" / f"{request.param}.fold"
+    if file.is_file() and request.param == "waterbomb":
+        pattern, _ = read_pattern(file)
+    else:
+        pattern, _ = grown_pattern(load_job(TEMPLATES / f"{request.param}.toml", changes))
+    sheet = thick(enlarged(pattern, width), axis=axis)
+    return sheet, *make_plates(sheet, BED, PlateSettings())
+
+
+def test_every_face_and_every_body_is_in_one_part(made):
+    old, plates, _ = made
+    faces = np.concatenate([part.faces for part in plates.parts])
+    assert np.sort(faces).tolist() == old.panels.faces.tolist()
+    numbers = np.concatenate([part.numbers for part in plates.parts])
+    assert np.sort(numbers).tolist() == list(range(len(plates.sheet.bodies)))
+    assert len(plates.parts) > 1
+    assert sorted({part.plate for part in plates.parts}) == list(range(plates.count))
+    # creases between parts, and no others, have joints
+    part = plates.faces_part[old.pattern.edges_faces]
+    both = (old.pattern.edges_faces[:, 1] >= 0) & (part >= 0).all(axis=1)
+    cut = np.flatnonzero(both & (part[:, 0] != part[:, 1]))
+    assert sorted(joint.crease for joint in plates.joints) == cut.tolist()
+
+
+def test_parts_lie_on_the_bed_apart_from_each_other(made):
+    _, plates, _ = made
+    margin, gap = 5.0, 3.0
+    for part in plates.parts:
+        low, high = part.mesh.vertices_coords.min(axis=0), part.mesh.vertices_coords.max(axis=0)
+        assert low[2] == pytest.approx(0, abs=1e-12)
+        assert (low[:2] >= margin - 1e-6).all()
+        assert (high[:2] <= np.array(BED) - margin + 1e-6).all()
+        own, (first, last) = plates.bodies(part), plates.bodies(part).boxes()
+        assert first.min(axis=0) == pytest.approx(low, abs=2e-3)  # where joined, webs reach further
+        assert last.max(axis=0) == pytest.approx(high, abs=2e-3)
+        assert own.volumes_mm3().sum() == pytest.approx(manifold_of(part.mesh).volume(), rel=1e-6)
+    for plate in range(plates.count):
+        solids = [manifold_of(part.mesh) for part in plates.parts if part.plate == plate]
+        for number, one in enumerate(solids):
+            for two in solids[:number]:
+                assert one.min_gap(two, 2 * gap) >= gap - 1e-6
+
+
+def test_sheets_with_joints_fold_as_they_did(made):
+    old, plates, _ = made
+    pattern = old.pattern
+    states = [np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])]
+    if pattern.folded_coords is not None:
+        states.append(pattern.folded_coords)
+    for coords in states:
+        assert overlaps(plates.sheet.posed(coords)) <= overlaps(old.posed(coords)) + 1e-9
+    for name, one in zip(plates.sheet.names, manifolds(plates.sheet.bodies), strict=True):
+        assert one.volume() > 0, name
+        assert len(one.decompose()) == 1, name
+
+
+def test_the_guide_is_plain_and_assembles_every_part_onto_those_before(made):
+    _, plates, findings = made
+    guide = plates.guide()
+    assert json.loads(json.dumps(guide)) == guide
+    names = [part.name for part in plates.parts]
+    assert sorted(row["part"] for plate in guide["plates"] for row in plate) == sorted(names)
+    here = {names[0]}
+    for row in guide["assembly"]:
+        pair = {row["tongue_part"], row["pocket_part"]}
+        assert len(pair) == 2
+        assert pair & here
+        here |= pair
+    assert here == set(names)
+    taped = sum(row["kind"] == "tape" for row in guide["assembly"])
+    assert ("joint-tape" in {finding.code for finding in findings}) == (taped > 0)
+
+
+def test_a_sheet_that_fits_is_one_part_without_joints():
+    sheet = thick(grid(3, 3, 30.0))
+    plates, findings = make_plates(sheet, BED, PlateSettings())
+    assert findings == []
+    assert plates.joints == ()
+    (part,) = plates.parts
+    assert part.name == "A"
+    assert plates.sheet.names == sheet.names
+    assert plates.sheet.bodies.vertices_coords.tolist() == sheet.bodies.vertices_coords.tolist()
+
+
+def test_the_same_sheet_gives_the_same_plates():
+    sheet = thick(grid(5, 5, 40.0))
+    one, two = (make_plates(sheet, (150.0, 120.0), PlateSettings())[0] for _ in range(2))
+    assert one.guide() == two.guide()
+    for a, b in zip(one.parts, two.parts, strict=True):
+        assert a.mesh.vertices_coords.tobytes() == b.mesh.vertices_coords.tobytes()
+        assert a.mesh.triangles.tobytes() == b.mesh.triangles.tobytes()
+
+
+def test_tongues_are_on_the_part_that_comes_first():
+    plates, _ = make_plates(thick(grid(5, 5, 40.0)), (150.0, 120.0), PlateSettings())
+    assert len(plates.parts) > 2
+    for joint in plates.joints:
+        first, second = plates.faces_part[list(joint.faces)]
+        assert first < second
+
+
+def test_progress_rises_to_its_end():
+    told = []
+    sheet = thick(grid(5, 5, 40.0))
+    make_plates(sheet, (150.0, 120.0), PlateSettings(), lambda *step: told.append(step))
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert {steps for _, steps in told} == {50}
+    assert told[-1] == (50, 50)
+
+
+@pytest.mark.parametrize(
+    ("bed", "named"),
+    [
+        ((10.0, 200.0), r"bed width = 10 mm .* greater than 2 x margin_mm = 10 mm"),
+        ((200.0, -1.0), r"bed depth = -1"),
+        (
+            (40.0, 200.0),
+            r"size of face 0 with its joints = .* fit 30 x 190 mm, the bed of",
+        ),
+    ],
+)
+def test_beds_without_room_are_refused(bed, named):
+    with pytest.raises(InvalidValue, match=named):
+        make_plates(thick(grid(3, 3, 40.0)), bed, PlateSettings())
+
+
+def test_beds_have_room_for_tongues_too():
+    # half the gap, and a strap for a pin of 1.75 mm, which may come where no dovetail does
+    reach = 60.0 + 0.5 + (1.75 + 0.1 + 2 * 1.2) + 2 * 5.0
+    sheet = thick(two_panels(letter="M"))
+    assert len(make_plates(sheet, (reach + 0.01, 60.0), PlateSettings())[0].parts) == 2
+    with pytest.raises(InvalidValue, match="size of face 0 with its joints"):
+        make_plates(sheet, (reach - 0.01, 60.0), PlateSettings())
+
+
+def test_a_sheet_without_panels_is_refused():
+    sheet = thick(two_panels(angle=180.0), limit=180.0)
+    assert len(sheet.panels.faces) == 0
+    with pytest.raises(InvalidValue, match=r"panels = 0 .* at least 1"):
+        make_plates(sheet, BED, PlateSettings())
