@@ -1,13 +1,19 @@
-"""What goes wrong with jobs, materials and files?"""
+"""Errors and findings of jobs, materials and files, and how they name what is at fault."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
+from itertools import islice
 
 from solver.errors import OrigamiError
 
-__all__ = ["Finding", "InvalidFile", "InvalidJob", "Severity"]
+__all__ = ["Finding", "InvalidFile", "InvalidJob", "Severity", "did_you_mean", "first_few"]
+
+# A finding lists this many creases or panels; its text has the count of all.
+_LISTED = 20
 
 
 class InvalidJob(OrigamiError, ValueError):
@@ -42,3 +48,20 @@ class Finding:
     text: str
     creases: tuple[int, ...] = field(default=())
     panels: tuple[int, ...] = field(default=())
+
+
+def did_you_mean(word: object, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """The sentence that names the known word nearest to an unknown one; empty where none is near.
+
+    cutoff : of `difflib.get_close_matches`, from 0 (anything is near) to 1.
+
+    >>> did_you_mean("dfx", ["dxf", "svg"])
+    ' Did you mean dxf?'
+    """
+    close = difflib.get_close_matches(str(word), list(known), 1, cutoff)
+    return f" Did you mean {close[0]}?" if close else ""
+
+
+def first_few(numbers: Iterable[int]) -> tuple[int, ...]:
+    """The first 20 of some numbers of creases or panels, as a finding lists them."""
+    return tuple(int(number) for number in islice(numbers, _LISTED))

@@ -1,4 +1,4 @@
-"""How far is a run, and how long did each of its stages take?"""
+"""Progress of a run, and the seconds that each of its stages took."""
 
 from __future__ import annotations
 
@@ -6,25 +6,33 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["Clock", "Progress", "silent"]
+__all__ = ["Clock", "Progress", "Steps", "no_steps", "silent"]
 
+# Called with the stage, the steps done and all steps of the stage.
 Progress = Callable[[str, int, int], None]
+# The same within one stage.
+Steps = Callable[[int, int], None]
 
 
 def silent(stage: str, done: int, total: int) -> None:
-    """Progress that tells nobody."""
+    """Progress that nobody watches."""
     del stage, done, total
 
 
+def no_steps(done: int, total: int) -> None:
+    """Steps that nobody watches."""
+    del done, total
+
+
 class Clock:
-    """Seconds per stage, told to `progress` as stages begin."""
+    """Seconds per stage, reported to `progress` as stages begin."""
 
     def __init__(self, progress: Progress) -> None:
         self.progress = progress
         self.seconds: dict[str, float] = {}
 
     @contextmanager
-    def stage(self, name: str) -> Iterator[Callable[[int, int], None]]:
+    def stage(self, name: str) -> Iterator[Steps]:
         begin = time.perf_counter()
         self.progress(name, 0, 1)
         yield lambda done, total: self.progress(name, done, total)

@@ -16,8 +16,6 @@ from fab.folding.rigid_states import rigid_coords
 from fab.folding.rotation_predictor import turner
 from fab.folding.simulation import simulated
 from fab.folding.verdict import target_form
-from fab.geometry.bodies import Bodies
-from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.face_poses import face_poses
 from fab.pattern.kinematics import unknown_angles
@@ -31,7 +29,6 @@ __all__ = [
     "folded_states",
     "known_target",
     "panels_at",
-    "posed_bodies",
     "states_within",
     "with_free_angles",
 ]
@@ -129,12 +126,6 @@ def known_target(pattern: CreasePattern) -> FoldedState | None:
     if form is None:
         return None
     return panels_at(pattern, form * frame.size_mm, Stage.TARGET, 1.0, frame.sheet.pattern)
-
-
-def posed_bodies(sheet: ThickSheet, state: FoldedState) -> Bodies:
-    """The rigid bodies of a thick sheet, in the order of `sheet.rigid`, in a state."""
-    owner = sheet.faces[sheet.rigid]
-    return sheet.bodies.chosen(sheet.rigid).moved(state.turns[owner], state.shifts[owner])
 
 
 def states_within(

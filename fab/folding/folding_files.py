@@ -11,10 +11,10 @@ from fab.folding.fold_settings import FoldSettings
 from fab.folding.simulation import Solver, simulated
 from fab.folding.verdict import target_form
 from fab.formats.fold_writer import fold_bytes
-from fab.jobs.job_files import Progress
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
+from fab.progress import Progress
 
 __all__ = ["SimulationFormat", "simulate"]
 

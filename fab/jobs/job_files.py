@@ -27,7 +27,7 @@ from fab.pattern.self_intersection import crossing_faces
 from fab.progress import Clock, Progress, silent
 from fab.sheets.perforation import perforate
 
-__all__ = ["Format", "Progress", "make"]
+__all__ = ["Format", "make"]
 
 
 class Format(StrEnum):

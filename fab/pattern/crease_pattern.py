@@ -33,8 +33,6 @@ __all__ = [
 
 # Creases that fold by less than this are flat (assignment F).
 FLAT_ANGLE_DEG = 1e-6
-# Faces at a larger fold angle than this lie on each other.
-_STACKED_DEG = 179.0
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,10 @@ import shapely
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.drawings.drawing_files import SheetFormat, drawing_files
 from fab.errors import Finding
-from fab.jobs.job_files import Progress
 from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern, scaled
+from fab.progress import Progress
 from fab.sheets.cutting_order import estimate, tour
 from fab.sheets.feature_size import narrow_faces
 from fab.sheets.labels import engraved

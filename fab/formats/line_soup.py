@@ -1,0 +1,55 @@
+"""Straight lines of a drawing, as its reader finds them, before they are a crease pattern.
+
+Every reader of drawings (SVG, DXF, CP, ORIPA, FOLD without faces) gives a `LineSoup`, and one
+importer makes a crease pattern of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fab.errors import Finding
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["LETTERS", "UNLETTERED", "Letters", "LineSoup"]
+
+# Assignments of the FOLD format.
+LETTERS = "BMVFUCJ"
+# Stands for the assignment of a line of which the drawing says nothing.
+UNLETTERED = "?"
+
+Letters = NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class LineSoup:
+    """The lines of a drawing. They may cross, overlap, repeat, and miss each other by a little.
+
+    Attributes
+    ----------
+    path : of the file, for messages.
+    title : of the drawing; empty where it has none.
+    lines_coords : both ends of each line, in units of the drawing, y upwards, shape (n, 2, 2).
+    lines_assignment : shape (n,), one of `LETTERS` or `UNLETTERED`.
+    lines_foldAngle : shape (n,), degrees, valley positive; NaN where the drawing gives none.
+    lines_element : shape (n,), which of `elements` each line was drawn by: a curve becomes many
+        lines of one element.
+    elements : what the file calls each of its elements, for messages, such as "path 'crease-3'" or
+        "line 17".
+    mm_per_unit : millimetres per unit of the drawing; None where it names no unit.
+    findings : what the reader left out, assumed or approximated.
+    """
+
+    path: Path
+    title: str
+    lines_coords: FloatArray
+    lines_assignment: Letters
+    lines_foldAngle: FloatArray  # noqa: N815 (after the FOLD format's edges_foldAngle)
+    lines_element: IntArray
+    elements: tuple[str, ...]
+    mm_per_unit: float | None
+    findings: tuple[Finding, ...] = ()
