@@ -256,7 +256,8 @@ def test_free_motion_keeps_its_momentum(tmp_path):
 
 def test_the_dynamic_solver_comes_to_the_same_form(tmp_path):
     frame = framework(template("miura", tmp_path))
-    folding = fold_dynamically(frame, 2, DynamicSettings(steps=20_000, settled_speed=1e-8))
+    # leaving the flat state begins with rounding, so the steps to rest differ by machine
+    folding = fold_dynamically(frame, 2, DynamicSettings(steps=60_000, settled_speed=1e-8))
     verdict = judge(folding)
     assert all(state.settled for state in folding.states)
     assert verdict.rmsd_rel < 1e-6

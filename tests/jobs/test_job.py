@@ -155,7 +155,8 @@ def test_sheet_scale_is_width_or_factor():
 def test_the_same_job_gives_the_same_bytes_in_another_process(tmp_path):
     """All formats, dates and process-wide counters included."""
     code = (
-        "import sys, pathlib; from fab.job import load_job; from fab.make import make, write\n"
+        "import sys, pathlib; from fab.jobs.job import load_job; "
+        "from fab.jobs.job_files import make; from fab.outputs import write\n"
         "write(make(load_job(pathlib.Path(sys.argv[1]))), pathlib.Path(sys.argv[2]))"
     )
     for folder in ("one", "two"):

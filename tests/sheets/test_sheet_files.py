@@ -449,10 +449,11 @@ def test_a_bed_without_room_for_registration_is_refused():
 
 _RIBBON = """
 import hashlib, sys
-from fab.drawings import SheetFormat
-from fab.fabricate import fabricate, scaled
-from fab.materials import load_machine, load_material
-from fab.pattern_file import read_pattern
+from fab.drawings.drawing_files import SheetFormat
+from fab.formats.fold_reader import read_pattern
+from fab.pattern.crease_pattern import scaled
+from fab.sheets.materials import load_machine, load_material
+from fab.sheets.sheet_files import fabricate
 made = fabricate(
     scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon",
     load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"),
