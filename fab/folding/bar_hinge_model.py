@@ -1,4 +1,4 @@
-"""What holds a sheet together while it folds: which bars and hinges, how stiff, at what energy?
+"""The bar-and-hinge model of a sheet: its bars and hinges, their stiffness, energy and derivatives.
 
 A bar lies along every side of every triangle into which the faces are cut, a hinge along every side
 that two triangles share: a crease of the pattern, or a facet crease within a face. With lengths
@@ -17,16 +17,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import csc_array
 
 from fab.folding.fold_settings import Stiffness
 from fab.geometry.rings import by_size
 from fab.geometry.triangulation import cap_triangles
 from fab.pattern.crease_pattern import CreasePattern
-from fab.pattern.kinematics import unknown_angles
+from fab.pattern.kinematics import Kinematics, fold_by_angles, unknown_angles
 from fab.pattern.open_cuts import Opened, edges_between, opened
 from solver.errors import InvalidValue
+from solver.graphs import labels
 from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
 
@@ -39,41 +39,45 @@ __all__ = [
     "wrapped",
 ]
 
-# Squares of larger and smaller sheets are no numbers.
+# The squares of smaller and larger lengths underflow or overflow.
 _SMALLEST_MM, _LARGEST_MM = 1e-100, 1e100
 
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy that is stored in bars, and in hinges that are not at their targets."""
+    """Energy of stretched bars, and of hinges that are off their targets.
+
+    In units of stiffness times the size of the sheet.
+    """
 
     bars: float
     hinges: float
 
     @property
     def total(self) -> float:
-        """Of bars and hinges."""
+        """That of bars and hinges together."""
         return self.bars + self.hinges
 
 
 @dataclass(frozen=True)
 class Framework:
-    """Bars and hinges of a crease pattern. Lengths are over `size_mm`.
+    """Bars and hinges of a crease pattern. Lengths are relative to `size_mm`.
 
     Attributes
     ----------
     sheet : the pattern with its cuts open; vertices, faces and edges are numbered as in it.
-    size_mm : diagonal of the flat sheet.
+    size_mm : diagonal of the flat sheet's bounding box.
     vertices_coords : shape (nv, 3), the flat sheet, z = 0.
     triangles_vertices, triangles_face : shapes (nt, 3) and (nt,); counterclockwise when flat.
     bars_vertices, bars_length, bars_stiffness : shapes (nb, 2), (nb,) and (nb,), k_axial / l0.
     hinges_vertices : shape (nh, 4): two ends, in the direction of the first triangle, and the
         corners of the first and of the second triangle off the hinge.
-    hinges_triangles : shape (nh, 2).
+    hinges_triangles : shape (nh, 2), the triangles on both sides.
     hinges_edge : shape (nh,), edge of the sheet; -1 for facet creases.
     hinges_length, hinges_stiffness : shape (nh,), the latter k_hinge l0.
-    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and those
-        of unknown angle (`fab.kinematics.unknown_angles`), which have no stiffness.
+    hinges_target : shape (nh,), radians: fold angles of the pattern, 0 for facet creases and
+        creases of unknown angle (`fab.pattern.kinematics.unknown_angles`). The latter have no
+        stiffness.
     """
 
     sheet: Opened
@@ -94,9 +98,9 @@ class Framework:
     def energy(self, coords: FloatArray, target: FloatArray) -> Energy:
         """Energy at coords, shape (nv, 3), with the hinges driven to `target`, shape (nh,)."""
         stretch = norm(_sides(coords, self.bars_vertices)) - self.bars_length
-        turn = wrapped(hinge_angles(coords, self.hinges_vertices) - target)
+        off = wrapped(hinge_angles(coords, self.hinges_vertices) - target)
         return Energy(
-            float(self.bars_stiffness @ stretch**2) / 2, float(self.hinges_stiffness @ turn**2) / 2
+            float(self.bars_stiffness @ stretch**2) / 2, float(self.hinges_stiffness @ off**2) / 2
         )
 
     def angles_near(self, coords: FloatArray, target: FloatArray) -> FloatArray:
@@ -107,49 +111,32 @@ class Framework:
         """Relative stretch of every bar, shape (nb,)."""
         return norm(_sides(coords, self.bars_vertices)) / self.bars_length - 1
 
-    def gradient(self, coords: FloatArray, target: FloatArray) -> FloatArray:
-        """Of the energy, shape (nv, 3)."""
-        return self.linearised(coords, target)[0]
-
     def linearised(self, coords: FloatArray, target: FloatArray) -> tuple[FloatArray, csc_array]:
-        """Gradient, shape (nv, 3), and the Gauss-Newton matrix J' K J, shape (3 nv, 3 nv)."""
+        """Gradient of the energy, and the Gauss-Newton matrix J' K J in place of its Hessian.
+
+        Shapes (nv, 3) and (3 nv, 3 nv). J holds the derivatives of bar lengths and hinge angles.
+        The matrix is the Hessian where all bars have their rest lengths and all hinges their
+        targets.
+        """
         bar, stretch = _bar_gradients(self, coords)
-        hinge, turn = _hinge_gradients(self, coords, target)
+        hinge, off = _hinge_gradients(self, coords, target)
         blocks = [
             self.bars_stiffness[:, None, None] * bar[:, :, None] * bar[:, None, :],
             self.hinges_stiffness[:, None, None] * hinge[:, :, None] * hinge[:, None, :],
         ]
-        return self._summed(bar, stretch, hinge, turn), self._assembly.matrix(blocks)
+        return self._gradient(bar, stretch, hinge, off), self._assembly.matrix(blocks)
 
-    def hessian(self, coords: FloatArray, target: FloatArray) -> csc_array:
-        """Exact second derivatives of the energy, shape (3 nv, 3 nv)."""
-        bar, stretch = _bar_gradients(self, coords)
-        hinge, turn = _hinge_gradients(self, coords, target)
-        length = norm(_sides(coords, self.bars_vertices))
-        half = np.eye(3) - bar[:, 3:, None] * bar[:, None, 3:]
-        second = np.kron([[1.0, -1.0], [-1.0, 1.0]], half / length[:, None, None])
-        blocks = [
-            self.bars_stiffness[:, None, None]
-            * (bar[:, :, None] * bar[:, None, :] + stretch[:, None, None] * second),
-            self.hinges_stiffness[:, None, None]
-            * (
-                hinge[:, :, None] * hinge[:, None, :]
-                + turn[:, None, None] * _second_angle_derivatives(coords, self.hinges_vertices)
-            ),
-        ]
-        return self._assembly.matrix(blocks)
-
-    def _summed(
-        self, bar: FloatArray, stretch: FloatArray, hinge: FloatArray, turn: FloatArray
+    def _gradient(
+        self, bar: FloatArray, stretch: FloatArray, hinge: FloatArray, off: FloatArray
     ) -> FloatArray:
         forces = np.concatenate(
             [
                 ((self.bars_stiffness * stretch)[:, None] * bar).ravel(),
-                ((self.hinges_stiffness * turn)[:, None] * hinge).ravel(),
+                ((self.hinges_stiffness * off)[:, None] * hinge).ravel(),
             ]
         )
         count = 3 * len(self.vertices_coords)
-        return np.asarray(np.bincount(self._assembly.places, forces, count).reshape(-1, 3))
+        return np.asarray(np.bincount(self._assembly.unknowns, forces, count).reshape(-1, 3))
 
     @cached_property
     def _assembly(self) -> _Assembly:
@@ -157,24 +144,34 @@ class Framework:
 
     @cached_property
     def component(self) -> IntArray:
-        """Which connected piece each vertex belongs to, shape (nv,)."""
-        count = len(self.vertices_coords)
-        one, two = self.bars_vertices.T
-        graph = coo_array((np.ones(len(one)), (one, two)), shape=(count, count))
-        return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+        """Number of the connected part of the sheet that each vertex is in, shape (nv,)."""
+        return labels(self.bars_vertices, len(self.vertices_coords))
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """The sheet with rigid faces, folded by the angles of its pattern."""
+        return fold_by_angles(self.sheet.pattern)
 
 
 @dataclass(frozen=True)
 class _Assembly:
-    """Where the blocks of bars and hinges stand in the sparse matrix: found once."""
+    """Sparsity of the matrix, and where the blocks of bars and hinges are added in it.
 
-    places: IntArray
+    Attributes
+    ----------
+    unknowns : number of the coordinate that each entry of each gradient is of.
+    slots : entry of the matrix that each entry of each block is added to.
+    rows, bounds : of the entries, as in a `csc_array`.
+    """
+
+    unknowns: IntArray
     slots: IntArray
     rows: IntArray
     bounds: IntArray
 
     @staticmethod
     def of(count: int, members: list[IntArray]) -> _Assembly:
+        """That of elements that join `count` vertices; members : shapes (n, 2) and (m, 4)."""
         size = 3 * count
         numbers = [
             (3 * m[:, :, None] + np.arange(3)).reshape(len(m), 3 * m.shape[1]) for m in members
@@ -191,7 +188,10 @@ class _Assembly:
 
 
 def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Framework:
-    """Bars and hinges of any pattern: triangles, n-gons, several pieces, cuts (which are opened).
+    """Bars and hinges of any pattern: triangles, n-gons, several components, cuts (opened first).
+
+    Each face is cut into triangles. Hinges with the letter J, which join the faces of one panel,
+    are as stiff as facet creases.
 
     Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a triangle
     without area.
@@ -237,22 +237,38 @@ def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Fra
 
 
 def hinge_forces(frame: Framework, coords: FloatArray, target: FloatArray) -> FloatArray:
-    """Forces of the hinges alone on the vertices, shape (nv, 3)."""
-    gradient, turn = _hinge_gradients(frame, coords, target)
-    pull = -(frame.hinges_stiffness * turn)[:, None, None] * gradient.reshape(-1, 4, 3)
+    """Forces of the hinges alone on the vertices, shape (nv, 3).
+
+    target : shape (nh,), radians.
+    """
+    gradient, off = _hinge_gradients(frame, coords, target)
+    pull = -(frame.hinges_stiffness * off)[:, None, None] * gradient.reshape(-1, 4, 3)
     return scattered(frame.hinges_vertices.ravel(), pull.reshape(-1, 3), len(frame.vertices_coords))
 
 
 def hinge_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
-    """Fold angles of hinges, radians in (-pi, pi], valley positive, shape (nh,)."""
+    """Fold angles of hinges, radians in (-pi, pi], valley positive, shape (nh,).
+
+    coords : shape (nv, 3); hinges_vertices : shape (nh, 4), as in `Framework`.
+
+    >>> coords = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> np.degrees(hinge_angles(coords, np.array([[0, 1, 2, 3]]))).tolist()
+    [90.0]
+    """
     e, p, q = _hinge_sides(coords, hinges_vertices)
-    one, two = cross(e, p), cross(q, e)
-    out: FloatArray = np.arctan2(dot(cross(two, one), e) / norm(e), dot(one, two))
+    first, second = cross(e, p), cross(q, e)
+    out: FloatArray = np.arctan2(dot(cross(second, first), e) / norm(e), dot(first, second))
     return out
 
 
 def wrapped(angle: FloatArray) -> FloatArray:
-    """The same angles from -pi to pi: a fold past 180 degrees is near 180, not near -180."""
+    """The same angles, radians, from -pi to pi.
+
+    Of the difference to a target: an angle that has passed 180 degrees is then near 180, not -180.
+
+    >>> np.degrees(wrapped(np.radians([190.0, -30.0]))).round(6).tolist()
+    [-170.0, -30.0]
+    """
     out: FloatArray = angle - 2 * np.pi * np.round(angle / (2 * np.pi))
     return out
 
@@ -265,9 +281,9 @@ def _hinge_sides(
     coords: FloatArray, hinges_vertices: IntArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Along the hinge, and from its first end to both corners off it."""
-    first = coords[hinges_vertices[:, 0]]
-    along, one, two = (coords[hinges_vertices[:, k]] - first for k in (1, 2, 3))
-    return along, one, two
+    start = coords[hinges_vertices[:, 0]]
+    along, first, second = (coords[hinges_vertices[:, k]] - start for k in (1, 2, 3))
+    return along, first, second
 
 
 def _bar_gradients(frame: Framework, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -281,71 +297,27 @@ def _bar_gradients(frame: Framework, coords: FloatArray) -> tuple[FloatArray, Fl
 def _hinge_gradients(
     frame: Framework, coords: FloatArray, target: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Gradient of every hinge's angle, shape (nh, 12), and its angle off the target."""
+    """Gradient of every hinge's angle, shape (nh, 12), and by how much it is off its target."""
     gradient = _angle_gradients(*_hinge_sides(coords, frame.hinges_vertices))
-    turn = wrapped(hinge_angles(coords, frame.hinges_vertices) - target)
-    return gradient, turn
+    off = wrapped(hinge_angles(coords, frame.hinges_vertices) - target)
+    return gradient, off
 
 
 def _angle_gradients(e: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
     """Schenk and Guest (2011), after Bekker: corners rise along their triangles' normals."""
     length = norm(e)[:, None]
-    one, two = cross(e, p), cross(q, e)
-    at_p = length * one / dot(one, one)[:, None]
-    at_q = length * two / dot(two, two)[:, None]
+    first, second = cross(e, p), cross(q, e)
+    at_p = length * first / dot(first, first)[:, None]
+    at_q = length * second / dot(second, second)[:, None]
     a, b = (dot(p, e) / dot(e, e))[:, None], (dot(q, e) / dot(e, e))[:, None]
     start = -(1 - a) * at_p - (1 - b) * at_q
     return np.concatenate([start, -a * at_p - b * at_q, at_p, at_q], axis=1)
 
 
-def _second_angle_derivatives(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
-    """Of the fold angles by the coordinates of the four vertices, shape (nh, 12, 12)."""
-    e, p, q = _hinge_sides(coords, hinges_vertices)
-    # derivatives of e, p, q by the twelve coordinates
-    eye = np.eye(3)
-    none = np.zeros((3, 3))
-    de = np.concatenate([-eye, eye, none, none], axis=1)
-    dp = np.concatenate([-eye, none, eye, none], axis=1)
-    dq = np.concatenate([-eye, none, none, eye], axis=1)
-    length = norm(e)
-    square = dot(e, e)
-    parts, second = [], []
-    for corner, dcorner, sign in ((p, dp, 1.0), (q, dq, -1.0)):
-        normal = sign * cross(e, corner)
-        dnormal = sign * (_crossed(e) @ dcorner - _crossed(corner) @ de)
-        area = dot(normal, normal)[:, None]
-        part = length[:, None] * normal / area
-        direction = normal / np.sqrt(area)
-        flipped = eye - 2 * direction[:, :, None] * direction[:, None, :]
-        dlength = (e / length[:, None]) @ de
-        dpart = (normal / area)[:, :, None] * dlength[:, None, :]
-        dpart += (length / area[:, 0])[:, None, None] * (flipped @ dnormal)
-        ratio = dot(corner, e) / square
-        dratio = (e @ dcorner + corner @ de - 2 * ratio[:, None] * (e @ de)) / square[:, None]
-        parts.append(dpart)
-        second.append(
-            (
-                -(1 - ratio)[:, None, None] * dpart + part[:, :, None] * dratio[:, None, :],
-                -ratio[:, None, None] * dpart - part[:, :, None] * dratio[:, None, :],
-            )
-        )
-    start = second[0][0] + second[1][0]
-    end = second[0][1] + second[1][1]
-    out = np.concatenate([start, end, *parts], axis=1)
-    return np.asarray((out + out.swapaxes(1, 2)) / 2)
-
-
-def _crossed(v: FloatArray) -> FloatArray:
-    """Matrices that multiply by v x, shape (n, 3, 3)."""
-    out = np.zeros((len(v), 3, 3))
-    out[:, [2, 0, 1], [1, 2, 0]] = v
-    out[:, [1, 2, 0], [2, 0, 1]] = -v
-    return out
-
-
 def _triangles(
     coords: FloatArray, corners: IntArray, offsets: IntArray
 ) -> tuple[IntArray, IntArray]:
+    """Triangles of all faces, shape (nt, 3), and the face of each, rising."""
     triangles, faces = [], []
     for face, rings in by_size(corners, offsets):
         cut = cap_triangles(coords[rings][..., :2])
@@ -358,12 +330,12 @@ def _triangles(
         coords[vertices[:, 1]] - coords[vertices[:, 0]],
         coords[vertices[:, 2]] - coords[vertices[:, 0]],
     )[:, 2]
-    flat = np.flatnonzero(~(twice > 0))
-    if len(flat):
+    degenerate = np.flatnonzero(~(twice > 0))
+    if len(degenerate):
         raise InvalidValue(
-            f"face {face[flat[0]]}",
+            f"face {face[degenerate[0]]}",
             "without area in one of its triangles",
             "have area",
-            "Merge corners that lie on each other, or remove the face.",
+            "Merge corners that coincide, or remove the face.",
         )
     return vertices, face

@@ -1,9 +1,9 @@
-"""How does the sheet move when its hinges pull it to their targets, with masses and damping?
+"""Dynamic folding: masses that hinges pull to their targets, with damping.
 
 The compliant dynamics of Ghassaei, Demaine and Gershenfeld (2018), "Fast, interactive origami
 simulation using GPU computation", with its settings: unit masses at the vertices, bars with viscous
 damping, hinges, springs at the corners of the triangles, and (semi-implicit) Euler steps as long as
-the stiffest bar allows. To compare with; `fab.folding` is the faster way to the target.
+the stiffest bar allows. For comparison: `fab.folding.quasi_static` gets to the target faster.
 """
 
 from __future__ import annotations
@@ -13,22 +13,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fab.folding.bar_hinge_model import Framework, hinge_forces
-from fab.folding.quasi_static import Folding, Progress, flat_state, silent, state_of
+from fab.folding.quasi_static import Folding, flat_state, state_of
+from fab.progress import Steps, no_steps
 from solver.errors import InvalidValue, require_count, require_finite
 from solver.vectors import FloatArray, cross, dot, norm, scattered
 
-__all__ = ["DynamicSettings", "Motion", "fold_dynamically", "moved"]
+__all__ = ["DynamicSettings", "Motion", "fold_dynamically", "integrate"]
 
+# Euler steps from one check, whether the sheet rests, to the next.
 _CHECKED = 100
 
 
 @dataclass(frozen=True)
 class DynamicSettings:
-    """How the sheet moves.
+    """How the sheet moves. Raises `InvalidValue` for values out of bounds.
 
+    Attributes
+    ----------
     face : stiffness of the triangles' corners, per radian.
-    damping : of the bars, over critical damping; 0 moves for ever.
-    steps : most Euler steps.
+    damping : of the bars, relative to critical damping; with 0 the sheet moves for ever.
+    steps : the largest number of Euler steps.
     settled_speed : largest speed of a vertex, in diagonals per unit of time, that counts as rest.
     """
 
@@ -48,10 +52,14 @@ class DynamicSettings:
 
 @dataclass(frozen=True)
 class Motion:
-    """Where a motion has come to.
+    """The state at the end of a motion.
 
-    coords, velocity : shape (nv, 3), over the framework's size; steps : Euler steps taken.
-    settled : whether the sheet came to rest; finite : whether it did not blow up.
+    Attributes
+    ----------
+    coords, velocity : shape (nv, 3), relative to the framework's size.
+    steps : Euler steps taken.
+    settled : whether the sheet came to rest.
+    finite : False where the integration blew up.
     """
 
     coords: FloatArray
@@ -65,12 +73,16 @@ def fold_dynamically(
     frame: Framework,
     steps: int = 10,
     settings: DynamicSettings | None = None,
-    progress: Progress = silent,
+    progress: Steps = no_steps,
 ) -> Folding:
-    """Fold as a user does who moves the slider in equal steps and waits until the sheet rests.
+    """Fold a framework from flat to its targets in equal steps, each until the sheet rests.
 
-    `settings.steps` hold for each load; iterations are Euler steps. A motion that blows up ends the
-    fold: its last state is the one before.
+    `settings.steps` is the limit of each step; iterations are Euler steps. A motion that blows up
+    ends the fold: its last state is the one before, and not settled.
+
+    progress : called with (steps done, steps in all).
+
+    Raises `InvalidValue` for less than one step.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
     states = [flat_state(frame)]
@@ -78,7 +90,9 @@ def fold_dynamically(
     for step in range(1, steps + 1):
         progress(step - 1, steps)
         target = step / steps * frame.hinges_target
-        motion = moved(frame, target, settings, motion, lambda *_, at=step: progress(at - 1, steps))
+        motion = integrate(
+            frame, target, settings, motion, lambda *_, at=step: progress(at - 1, steps)
+        )
         if not motion.finite:
             last = states[-1]
             states[-1] = replace(last, settled=False, iterations=last.iterations + motion.steps)
@@ -90,17 +104,17 @@ def fold_dynamically(
     return Folding(frame, tuple(states))
 
 
-def moved(
+def integrate(
     frame: Framework,
     target: FloatArray,
     settings: DynamicSettings | None = None,
     begin: Motion | None = None,
-    progress: Progress = silent,
+    progress: Steps = no_steps,
 ) -> Motion:
-    """Let the framework move with its hinges driven to `target`, shape (nh,), radians.
+    """The motion of a framework with its hinges driven to `target`, shape (nh,), radians.
 
-    begin : where it moves on from; the flat sheet at rest where left out. Hinge angles count beyond
-    180 degrees as long as a step turns them by less than that.
+    begin : the state that it goes on from; the flat sheet at rest where left out.
+    progress : called every 100 Euler steps with their number, and the largest one.
     """
     settings = settings or DynamicSettings()
     coords = frame.vertices_coords if begin is None else begin.coords
@@ -108,18 +122,18 @@ def moved(
     step = 0.9 / (2 * np.pi * np.sqrt(frame.bars_stiffness.max()))
     viscosity = 2 * settings.damping * np.sqrt(frame.bars_stiffness)
     rest = _corner_angles(frame, frame.vertices_coords)[0]
-    one, two = frame.bars_vertices.T
+    start, end = frame.bars_vertices.T
     count = len(coords)
     done = 0
     with np.errstate(all="ignore"):
         while done < settings.steps:
             force = hinge_forces(frame, coords, target)
-            side = coords[two] - coords[one]
+            side = coords[end] - coords[start]
             length = norm(side)
             tension = frame.bars_stiffness * (length - frame.bars_length) / length
             pull = tension[:, None] * side
-            pull += viscosity[:, None] * (velocity[two] - velocity[one])
-            force += scattered(one, pull, count) - scattered(two, pull, count)
+            pull += viscosity[:, None] * (velocity[end] - velocity[start])
+            force += scattered(start, pull, count) - scattered(end, pull, count)
             angles, gradients = _corner_angles(frame, coords)
             for k in range(3):
                 for corner, gradient in enumerate(gradients[k]):
@@ -143,8 +157,10 @@ def moved(
 def _corner_angles(
     frame: Framework, coords: FloatArray
 ) -> tuple[FloatArray, list[tuple[FloatArray, FloatArray, FloatArray]]]:
-    """Angles of all triangles, shape (nt, 3), and for each corner its gradient by the three
-    corners, itself first.
+    """Angles of all triangles, shape (nt, 3), and their gradients.
+
+    For each corner three arrays of shape (nt, 3): its gradient by the corner itself, the next and
+    the last.
     """
     points = coords[frame.triangles_vertices]
     normal = cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])

@@ -1,4 +1,4 @@
-"""How stiff is a sheet that folds, and how finely is its fold followed?"""
+"""Settings of a folding simulation: stiffness of the sheet, and number of steps."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ __all__ = ["FoldSettings", "Stiffness"]
 
 
 class Stiffness(Settings):
-    """Stiffness of bars and hinges (`fab.framework`), as multiples of each other.
+    """Stiffness of bars and hinges (`fab.folding.bar_hinge_model`); their ratios alone matter.
 
     The defaults are those of Ghassaei, Demaine and Gershenfeld (2018). With much stiffer creases
-    thin triangles collapse on the way; with much softer ones the fold settles slowly.
+    thin triangles collapse while they fold; with much softer ones the fold settles slowly.
     """
 
     axial: float = Field(default=20.0, gt=0, le=1e12, description="of bars, per length")
@@ -24,6 +24,6 @@ class Stiffness(Settings):
 
 
 class FoldSettings(Stiffness):
-    """Stiffness, and how finely the way from flat to folded is followed."""
+    """Stiffness, and the number of steps from flat to folded."""
 
     steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")

@@ -1,8 +1,8 @@
-"""In which folded states are the faces of a sheet, as rigid panels, between flat and its target?"""
+"""Folded states of a sheet with rigid faces: flat, between, and at its target."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -13,12 +13,13 @@ from fab.folding.bar_hinge_model import Framework, framework
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import hinges_around
 from fab.folding.rigid_states import rigid_coords
-from fab.folding.rotation_predictor import turner
-from fab.folding.simulation import simulated
-from fab.folding.verdict import target_form
+from fab.folding.rotation_predictor import rotation_predictor
+from fab.folding.simulation import fold_and_judge
+from fab.folding.verdict import folded_form, target_form
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.face_poses import face_poses
 from fab.pattern.kinematics import unknown_angles
+from fab.progress import Progress, silent
 from solver.errors import require_count
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
@@ -33,17 +34,17 @@ __all__ = [
     "with_free_angles",
 ]
 
-# Sheets that fold by less of their angles with all faces flat do not fold.
-_LOCKED_SHARE = 0.01
-_LOCKED = Finding(
+# A sheet that folds by a smaller share of its angles with all faces flat does not fold rigidly.
+_LEAST_SHARE = 0.01
+_NOT_RIGID = Finding(
     "panels-lock",
     Severity.WARNING,
     "with flat faces the sheet does not leave the flat state: paper bends its way to the target, "
     "rigid panels reach it only if their hinges give. Choose a pattern that folds with flat faces.",
 )
-# Creases so much softer than faces leave these as good as plane wherever the pattern lets them be.
+# Creases this much softer than faces leave the faces nearly plane wherever the pattern allows it.
 _CREASE_STIFFNESS = 0.01
-# Fold angles of states are known to this.
+# Accuracy of the fold angles of states.
 _ANGLE_DEG = 1e-6
 
 
@@ -64,8 +65,8 @@ class FoldedState:
     stage : flat, between, or at the target.
     share : of the sum of all target fold angles, 0 to 1; creases on the wrong side count as flat.
     turns, shifts : shapes (nf, 3, 3) and (nf, 3), mm: motions x -> turn x + shift from flat.
-    angles_deg : shape (ne,), fold angles between these faces; 0 where there are not two.
-    bend_mm : largest distance of a corner from where the folded form has it: its faces bend.
+    angles_deg : shape (ne,), fold angles between the faces; 0 for edges without two faces.
+    bend_mm : largest distance of a corner of a rigid face from that of the bent one.
     """
 
     stage: Stage
@@ -83,12 +84,12 @@ class FoldedState:
         if self.stage == Stage.TARGET and self.share == 1:
             return "at the target"
         percent = 100 * self.share
-        # as many digits as tell apart the states of a sheet that hardly folds until it snaps
+        # two digits distinguish the states of a sheet that hardly folds until it snaps
         return f"at {percent:{'.2g' if percent < 9.5 else '.0f'}} % of the fold"
 
 
 def flat_panels(pattern: CreasePattern) -> FoldedState:
-    """The flat state."""
+    """The flat state of a pattern."""
     count = pattern.face_count
     turns = np.tile(np.eye(3), (count, 1, 1))
     angles = np.zeros(len(pattern.edges_vertices))
@@ -102,10 +103,14 @@ def panels_at(
     share: float,
     sheet: CreasePattern | None = None,
 ) -> FoldedState:
-    """The rigid faces that lie nearest to a folded form.
+    """The state whose rigid faces are nearest to a folded form, by least squares of each.
 
-    coords : shape (nv, 3), mm, of the vertices of `sheet`: the pattern, or with its cuts open
-    (`fab.opened`), which has the same faces.
+    Parameters
+    ----------
+    coords : shape (nv, 3), mm, of the vertices of `sheet`.
+    share : as in `FoldedState`.
+    sheet : the pattern with its cuts open (`fab.pattern.open_cuts`), which has the same faces; the
+        pattern itself where left out.
     """
     sheet = pattern if sheet is None else sheet
     turns, shifts = face_poses(sheet, coords)
@@ -133,12 +138,12 @@ def states_within(
 ) -> tuple[list[FoldedState], IntArray]:
     """The states up to a fold limit, the last of them as the target, and the creases beyond it.
 
-    A state is beyond it where a crease between two of some faces folds over limit_deg; the creases
-    are those of the first such state, shape (k,): none where all states are within.
+    A state is beyond it where a crease between two of `faces` folds by more than limit_deg; the
+    creases are those of the first such state, shape (k,): none where all states are within.
     """
-    standing = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
-    standing[faces] = True
-    creases = (pattern.edges_assignment != "C") & standing[pattern.edges_faces].all(axis=1)
+    chosen = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
+    chosen[faces] = True
+    creases = (pattern.edges_assignment != "C") & chosen[pattern.edges_faces].all(axis=1)
     over = [creases & (np.abs(s.angles_deg) > limit_deg + _ANGLE_DEG) for s in states]
     first = next((k for k, beyond in enumerate(over) if beyond.any()), None)
     if first is None:
@@ -152,36 +157,33 @@ def states_within(
 def folded_states(
     pattern: CreasePattern,
     count: int = 8,
-    progress: Callable[[str, int, int], None] | None = None,
+    progress: Progress = silent,
 ) -> tuple[list[FoldedState], list[Finding]]:
-    """The flat state, `count` states of the simulated fold between, and the target.
+    """The flat state, `count` states of a simulated fold between, and the target.
 
-    The target is the pattern's own folded form, or that of its angles where they close, or what it
-    folds to where that has the right angles. Where there is none of them, the end of the fold is
-    a state between. A pattern in which nothing folds has the flat state alone.
+    The fold is simulated with soft creases, so that faces stay as plane as the pattern allows. The
+    target is the pattern's own folded form, or that of its angles where they close, or what it
+    folds to where that has the right angles. Without any of these, the end of the fold is a state
+    between. A pattern in which nothing folds has the flat state alone.
 
-    Raises `InvalidValue` where a face has no area.
+    Raises `InvalidValue` where a face has no area, and for a negative count.
     """
     require_count("count", count, 0, "Check no states between flat and the target, or more.")
     states = [flat_panels(pattern)]
     if not (np.abs(pattern.edges_foldAngle) > FLAT_ANGLE_DEG).any():
         return states, []
-    folding, verdict, _ = simulated(
-        pattern, FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS), progress=progress
-    )
-    frame = folding.frame
-    target = target_form(frame)
-    if target is None and verdict.reached:
-        target = folding.states[-1].coords
-    way = folding.states[1:] if target is None else folding.states[1:-1]
-    between = _between(pattern, frame, [state.coords for state in way])
+    settings = FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS)
+    folding, verdict, _ = fold_and_judge(pattern, settings, progress=progress)
+    frame, target = folding.frame, folded_form(folding, verdict)
+    inner = folding.states[1:] if target is None else folding.states[1:-1]
+    between = _between(pattern, frame, [state.coords for state in inner])
     states += between
     if target is not None:
         coords = target * frame.size_mm
         states.append(panels_at(pattern, coords, Stage.TARGET, 1.0, frame.sheet.pattern))
     findings = [] if verdict.reached else [_unreached(target is not None)]
-    if between and max(state.share for state in between) < _LOCKED_SHARE:
-        findings.append(_LOCKED)
+    if between and max(state.share for state in between) < _LEAST_SHARE:
+        findings.append(_NOT_RIGID)
     return states, findings
 
 
@@ -198,59 +200,58 @@ def with_free_angles(pattern: CreasePattern, states: Sequence[FoldedState]) -> C
 
 
 def _between(
-    pattern: CreasePattern, frame: Framework, way: Sequence[FloatArray]
+    pattern: CreasePattern, frame: Framework, between: Sequence[FloatArray]
 ) -> list[FoldedState]:
-    """States on the way, of vertices over the framework's size, shapes (nv, 3).
+    """States of a simulated fold; between : shapes (nv, 3), relative to the framework's size.
 
-    Where the simulation bends faces, the state nearby is taken in which none is, if there is one.
+    Where the simulation bends faces, the rigid state nearby takes its place, if there is one.
     """
-    closure, turning = hinges_around(frame), turner(frame)
+    closure, predictor = hinges_around(frame), rotation_predictor(frame)
 
     def state(coords: FloatArray) -> FoldedState:
-        given = coords * frame.size_mm
-        made = panels_at(pattern, given, Stage.BETWEEN, 1.0, frame.sheet.pattern)
+        made = panels_at(pattern, coords * frame.size_mm, Stage.BETWEEN, 1.0, frame.sheet.pattern)
         return replace(made, share=_share(pattern, made))
 
     out = []
-    for coords in way:
+    for coords in between:
         bent = state(coords)
-        flat = rigid_coords(frame, closure, turning, coords)
+        flat = rigid_coords(frame, closure, predictor, coords)
         rigid = bent if flat is None else state(flat)
         out.append(rigid if rigid.bend_mm < bent.bend_mm else bent)
     return out
 
 
 def _share(pattern: CreasePattern, state: FoldedState) -> float:
-    """Which share of all fold angles a state has: creases may lag behind what drives them."""
-    wanted = pattern.edges_foldAngle
-    creases = (np.abs(wanted) > FLAT_ANGLE_DEG) & (pattern.edges_assignment != "C")
-    angles = np.clip(state.angles_deg[creases] * np.sign(wanted[creases]), 0, None)
-    return float(min(angles.sum() / np.abs(wanted[creases]).sum(), 1.0))
+    """The share of all fold angles that a state has: creases may lag behind what drives them."""
+    target = pattern.edges_foldAngle
+    creases = (np.abs(target) > FLAT_ANGLE_DEG) & (pattern.edges_assignment != "C")
+    angles = np.clip(state.angles_deg[creases] * np.sign(target[creases]), 0, None)
+    return float(min(angles.sum() / np.abs(target[creases]).sum(), 1.0))
 
 
 def _unreached(known: bool) -> Finding:
     if known:
         text = (
-            "the simulated fold does not end at the target, so the states that are checked between "
-            "flat and the target need not lie on the way of the sheet; the target itself is exact."
+            "the simulated fold does not end at the target, so the real sheet may not pass through "
+            "the states that are checked between flat and the target; the target itself is exact."
         )
     else:
         text = (
             "no folded form is known and the simulated fold does not reach the fold angles: panels "
-            "are checked flat and on the way that it finds, not at a target. Give a pattern whose "
-            "angles close, or one with its folded form."
+            "are checked flat and in the states of that fold, not at a target. Give a pattern "
+            "whose angles close, or one with its folded form."
         )
     severity = Severity.NOTE if known else Severity.WARNING
     return Finding("target-not-reached", severity, text)
 
 
 def _angles_deg(pattern: CreasePattern, turns: FloatArray) -> FloatArray:
-    """Fold angles by the convention of `fab.crease`, shape (ne,)."""
+    """Fold angles of rotated faces, valley positive, shape (ne,)."""
     out = np.zeros(len(pattern.edges_vertices))
-    one, two = pattern.edges_faces.T
-    shared = np.flatnonzero((two >= 0) & (one != two))
+    faces, others = pattern.edges_faces.T
+    shared = np.flatnonzero((others >= 0) & (faces != others))
     start, end = pattern.vertices_coords[pattern.edges_vertices[shared]].swapaxes(0, 1)
-    first, second = turns[one[shared]], turns[two[shared]]
+    first, second = turns[faces[shared]], turns[others[shared]]
     u = unit(np.squeeze((first + second)[:, :, :2] @ (end - start)[:, :, None], axis=2))
     n1, n2 = first[:, :, 2], second[:, :, 2]
     out[shared] = np.degrees(np.arctan2(dot(cross(n2, n1), u), dot(n1, n2)))

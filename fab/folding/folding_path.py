@@ -1,11 +1,11 @@
-"""In which order do creases fold that lock when all of them fold at once?
+"""Folding paths: the order in which creases fold where folding all at once gets stuck.
 
-A way is found in the space of all hinge angles, where nothing stretches: a chain of stations from
-flat to the target, drawn straight at first, then bent until the turns around every vertex close at
-every station (belcastro and Hull 2002) and the way is as short as that allows. Along it each crease
-has a rate of its own. This is the elastic band of Jonsson, Mills and Jacobsen (1998), with vertices
-that close in place of a low energy, and stations kept even as in the string method of E, Ren and
-Vanden-Eijnden (2002).
+A path is found in the space of all hinge angles, where nothing stretches: a chain of stations from
+flat to the target, straight at first, then bent until the rotations around every vertex close at
+every station (belcastro and Hull 2002) and the path is as short as that allows. Along it each
+crease has a rate of its own. This is the elastic band of Jonsson, Mills and Jacobsen (1998), with
+closure of the vertices in place of low energy, and stations kept at equal distances as in the
+string method of E, Ren and Vanden-Eijnden (2002).
 """
 
 from __future__ import annotations
@@ -17,27 +17,34 @@ from scipy.sparse import coo_array, csc_array
 from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.quasi_static import Progress, along, damped, largest_turns, silent
+from fab.folding.quasi_static import damped, largest_turns, path_at
 from fab.geometry.rings import next_corner
 from fab.pattern.kinematics import next_around
+from fab.progress import Steps, no_steps
+from solver.graphs import EdgeIndex
 from solver.vectors import FloatArray, IntArray, unit
 
-__all__ = ["Closure", "Way", "closing_way", "hinges_around"]
+__all__ = ["Closure", "FoldingPath", "closing_path", "hinges_around"]
 
-# Closure grows against length from round to round: the whole way finds its valley first.
+# The weight of closure against length rises, so that the whole path first finds its valley.
 _WEIGHTS = (1.0, 3.0, 10.0)
+# Gauss-Newton steps at each weight.
 _STEPS = 5
-# Between two stations no hinge turns by more.
+# From one station to the next no hinge turns by more.
 _FARTHEST_RAD = np.radians(20.0)
-# Beyond 180 degrees faces pass through each other: pulled back as strongly as vertices close.
+# Beyond 180 degrees faces pass through each other: such angles are pulled back with the weight of
+# closure.
 _LIMIT_RAD = np.pi
 _LEAST_DAMPING, _MOST_DAMPING = 1e-6, 1e6
 
 
 @dataclass(frozen=True)
-class Way:
-    """Hinge angles at stations from flat to the target, radians, shape (n, nh).
+class FoldingPath:
+    """A path from flat to the target.
 
+    Attributes
+    ----------
+    angles : shape (n, nh), radians, of all hinges at each station.
     iterations : linear systems solved to find it, each of all stations.
     """
 
@@ -45,55 +52,59 @@ class Way:
     iterations: int
 
 
-def closing_way(frame: Framework, progress: Progress = silent) -> Way:
-    """A way along which the vertices close as well as rigid triangles allow."""
-    closure = hinges_around(frame)
-    way = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
-    rounds = [weight for weight in _WEIGHTS for _ in range(_STEPS)]
-    for number, weight in enumerate(rounds):
-        progress(number, len(rounds))
-        way = _bent(closure, _even(way), weight)
-    progress(len(rounds), len(rounds))
-    return Way(_even(way), len(rounds))
+def closing_path(frame: Framework, progress: Steps = no_steps) -> FoldingPath:
+    """A path along which the vertices close as well as rigid triangles allow.
 
-
-def _even(way: FloatArray) -> FloatArray:
-    """Stations as far from each other as the hinge goes that turns the most.
-
-    Without, they slide off to both sides of where vertices hardly close, and the way tears there.
+    progress : called with the Gauss-Newton steps done, and of all.
     """
-    count = max(2, int(np.ceil(largest_turns(way).sum() / _FARTHEST_RAD)))
-    between = [along(way, number / count)[0] for number in range(1, count)]
-    return np.stack([way[0], *between, way[-1]])
+    closure = hinges_around(frame)
+    path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    weights = [weight for weight in _WEIGHTS for _ in range(_STEPS)]
+    for number, weight in enumerate(weights):
+        progress(number, len(weights))
+        path = _improved(closure, _resampled(path), weight)
+    progress(len(weights), len(weights))
+    return FoldingPath(_resampled(path), len(weights))
 
 
-def _bent(closure: Closure, way: FloatArray, weight: float) -> FloatArray:
-    """One damped Gauss-Newton step to a shorter way with less error of closure, times `weight`."""
-    residual = _residual(closure, way, weight)
-    jacobian = _jacobian(closure, way, weight)
+def _resampled(path: FloatArray) -> FloatArray:
+    """The path with stations at equal distances, measured by `largest_turns`.
+
+    Otherwise stations slide away from where vertices hardly close, and the path tears there.
+    """
+    count = max(2, int(np.ceil(largest_turns(path).sum() / _FARTHEST_RAD)))
+    inner = [path_at(path, number / count)[0] for number in range(1, count)]
+    return np.stack([path[0], *inner, path[-1]])
+
+
+def _improved(closure: Closure, path: FloatArray, weight: float) -> FloatArray:
+    """One damped Gauss-Newton step to a path that is shorter and closes better, times `weight`."""
+    residual = _residual(closure, path, weight)
+    jacobian = _jacobian(closure, path, weight)
     matrix, slope = (jacobian.T @ jacobian).tocsc(), jacobian.T @ residual
     damping = _LEAST_DAMPING
     while damping < _MOST_DAMPING:
-        step = damped(matrix, damping).solve(-slope).reshape(-1, way.shape[1])
-        moved = np.concatenate([way[:1], way[1:-1] + step, way[-1:]])
-        after = _residual(closure, moved, weight)
+        step = damped(matrix, damping).solve(-slope).reshape(-1, path.shape[1])
+        stepped = np.concatenate([path[:1], path[1:-1] + step, path[-1:]])
+        after = _residual(closure, stepped, weight)
         if after @ after < residual @ residual:
-            return moved
+            return stepped
         damping *= 100
-    return way
+    return path
 
 
-def _residual(closure: Closure, way: FloatArray, weight: float) -> FloatArray:
-    inner = way[1:-1]
+def _residual(closure: Closure, path: FloatArray, weight: float) -> FloatArray:
+    """Errors of closure, excess over 180 degrees, and turns from station to station."""
+    inner = path[1:-1]
     error, _ = closure.errors(inner)
     over = np.sign(inner) * np.maximum(np.abs(inner) - _LIMIT_RAD, 0.0)
-    length = np.sqrt(len(way) - 1) * np.diff(way, axis=0)
+    length = np.sqrt(len(path) - 1) * np.diff(path, axis=0)
     return np.concatenate([weight * error.ravel(), weight * over.ravel(), length.ravel()])
 
 
-def _jacobian(closure: Closure, way: FloatArray, weight: float) -> csc_array:
+def _jacobian(closure: Closure, path: FloatArray, weight: float) -> csc_array:
     """Of the residual by the angles at all stations between the ends."""
-    inner = way[1:-1]
+    inner = path[1:-1]
     count, hinges = inner.shape
     _, slopes = closure.errors(inner)
     vertices = len(closure.hinges)
@@ -105,7 +116,7 @@ def _jacobian(closure: Closure, way: FloatArray, weight: float) -> csc_array:
     begin = 3 * vertices * count
     after = begin + inner.size
     out = np.flatnonzero(np.abs(inner).ravel() > _LIMIT_RAD)
-    pull = np.full(inner.size, np.sqrt(len(way) - 1))
+    pull = np.full(inner.size, np.sqrt(len(path) - 1))
     values = [weight * slopes.ravel(), np.full(len(out), weight), pull, -pull]
     rows_of = [rows, begin + out, after + place, after + hinges + place]
     columns_of = [columns, out, place, place]
@@ -117,20 +128,25 @@ def _jacobian(closure: Closure, way: FloatArray, weight: float) -> csc_array:
 
 @dataclass(frozen=True)
 class Closure:
-    """The hinges around every interior vertex, counterclockwise.
+    """Closure of the m interior vertices, each with up to d hinges, counterclockwise.
 
-    hinges : shape (m, d); axes : shape (m, d, 3), unit, in the flat sheet, zero behind the last
-    hinge of a vertex that has fewer.
+    Attributes
+    ----------
+    hinges : shape (m, d), 0 after the last hinge of a vertex that has fewer.
+    axes : shape (m, d, 3), unit vectors from the vertex along its hinges in the flat sheet; zero
+        after the last hinge of a vertex that has fewer.
     """
 
     hinges: IntArray
     axes: FloatArray
 
     def errors(self, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """By how much the turns miss the identity, rotation vectors, shape (n, m, 3); and the
-        derivatives by the angles of the hinges, shape (n, m, d, 3).
+        """Errors of closure, and their derivatives by the angles of the hinges.
 
-        angles : shape (n, nh). Derivatives are exact where the vertices close.
+        The product of the rotations around each vertex as a rotation vector, shape (n, m, 3), zero
+        where the vertex closes; derivatives, shape (n, m, d, 3), are exact where it does.
+
+        angles : shape (n, nh), radians.
         """
         turned = angles[:, self.hinges, None] * self.axes
         turns = Rotation.from_rotvec(turned.reshape(-1, 3)).as_matrix().reshape(*turned.shape, 3)
@@ -144,7 +160,7 @@ class Closure:
 
 
 def hinges_around(frame: Framework) -> Closure:
-    """The hinges around every interior vertex of the triangulated sheet."""
+    """The hinges around every interior vertex of the triangulated sheet; none around holes."""
     triangles, coords = frame.triangles_vertices, frame.vertices_coords
     count = len(coords)
     corners = triangles.ravel()
@@ -152,24 +168,20 @@ def hinges_around(frame: Framework) -> Closure:
     before = np.empty_like(following)
     before[following] = np.arange(len(corners))
     beyond = next_around(corners, following, before, count)
-    low, high = np.sort(frame.hinges_vertices[:, :2], axis=1).T
-    keys = low * count + high
-    order = np.argsort(keys)
-    one, two = np.sort(np.column_stack([corners, corners[before]]), axis=1).T
-    found = np.searchsorted(keys[order], one * count + two).clip(max=len(keys) - 1)
-    side = order[found]
+    index = EdgeIndex.of(frame.hinges_vertices[:, :2], count)
+    side = index.find(np.column_stack([corners, corners[before]]))  # -1 at the border
     axis = unit(coords[corners[before]] - coords[corners])
     inside = np.ones(count, bool)
     inside[corners[beyond < 0]] = False
     _, start = np.unique(corners, return_index=True)
     start = start[inside[corners[start]]]
     hinges, axes = [], []
-    here, going = start.copy(), np.ones(len(start), bool)
+    corner, going = start.copy(), np.ones(len(start), bool)
     while going.any():
-        hinges.append(np.where(going, side[here], 0))
-        axes.append(np.where(going[:, None], axis[here], 0.0))
-        here = np.where(going, beyond[here], here)
-        going &= here != start
+        hinges.append(np.where(going, side[corner], 0))
+        axes.append(np.where(going[:, None], axis[corner], 0.0))
+        corner = np.where(going, beyond[corner], corner)
+        going &= corner != start
     if not hinges:
         return Closure(np.empty((0, 0), np.int64), np.empty((0, 0, 3)))
     return Closure(np.stack(hinges, axis=1), np.stack(axes, axis=1))

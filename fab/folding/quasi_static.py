@@ -1,15 +1,15 @@
-"""How does a flat sheet get to its target fold angles, and at what cost on the way?
+"""Quasi-static folding of a flat sheet to its target fold angles.
 
-Quasi-static: the target angles are ramped, and at each load the framework comes to rest. Each step
-is predicted by turning all hinges (`fab.rotations`), so that long chains may turn far at once, and
-corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy.
-Angles that close store none at the full load, so that the last steps converge quadratically.
-All hinges are driven alike, or along a way on which each has a rate of its own (`fab.way`).
+The target angles are ramped, and at each load the framework comes to rest. Each step is predicted
+by turning all hinges (`fab.folding.rotation_predictor`), so that long chains may turn far at once,
+and corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy.
+Angles that close store no energy at the full load, so that the last steps converge quadratically.
+All hinges are driven at one rate, or along a folding path on which each has a rate of its own
+(`fab.folding.folding_path`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,43 +17,41 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from fab.folding.bar_hinge_model import Energy, Framework
-from fab.folding.rotation_predictor import Turner, turner
+from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
+from fab.progress import Steps, no_steps
 from solver.errors import require_count
 from solver.vectors import FloatArray
 
 __all__ = [
     "FoldState",
     "Folding",
-    "Progress",
     "aligned",
-    "along",
     "damped",
     "flat_state",
     "fold",
     "largest_turns",
-    "silent",
+    "path_at",
     "state_of",
 ]
 
-# Damping, over the mean of the diagonal: as little as rounding allows, more where a step fails.
+# Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
+# fails.
 _LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
 _FIRST_DAMPING = 1e-8
-# Steps at each load, and at the full one.
+# Most steps at each load, and at the full one.
 _MOST, _MOST_AT_LAST = 150, 400
 # Steps with more damping than this say nothing about how far the energy could still fall.
 _TRUSTED_DAMPING = 1e-6
-# On the way: the next step would lower the energy by less than this share.
+# Below the full load, the sheet is at rest where a step lowers the energy by less than this share.
 _SETTLED = 1e-6
-# Over the diagonal of the sheet: smaller steps are rounding.
+# Smaller steps, relative to the size of the sheet, are rounding.
 _ROUNDING = 1e-12
-# Over the sum of all stiffness: what coordinates that are off by a few roundings store.
+# Energy of coordinates that are off by a few roundings, relative to the sum of all stiffness.
 _ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
 # Hinges turn by no more from load to load.
 _FARTHEST_RAD = np.radians(20.0)
 # A step that raises the energy is tried shorter before it is damped.
 _LENGTHS = (1.0, 0.5, 0.25, 0.125)
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -63,12 +61,13 @@ class FoldState:
     Attributes
     ----------
     load : share of the target angles, 0 to 1.
-    coords : shape (nv, 3), vertices of the framework over its size.
-    energy : of bars and hinges; strain_mean, strain_max : sizes over all bars.
-    strain_peak : the largest of the latter, here and at the loads since the state before.
-    accepted : energy of the prediction, and after each step that was taken from there to rest.
+    coords : shape (nv, 3), vertices of the framework, relative to its size.
+    energy : of bars and hinges.
+    strain_mean, strain_max : mean and largest absolute strain of the bars.
+    strain_peak : the largest `strain_max` at this load and those since the state before.
+    accepted : energy of the prediction, and after each step that was taken from it.
     iterations : linear systems solved since the state before, or Euler steps.
-    settled : whether it came to rest, here and at the loads since the state before.
+    settled : whether the sheet came to rest at this load and all those since the state before.
     """
 
     load: float
@@ -86,7 +85,8 @@ class FoldState:
 class Folding:
     """A fold from flat: its states, the flat one first.
 
-    in_turn : whether the hinges were driven along a way of their own (`fab.way`), not all at once.
+    in_turn : whether the hinges were driven along a folding path (`fab.folding.folding_path`), not
+        all at one rate.
     """
 
     frame: Framework
@@ -95,53 +95,52 @@ class Folding:
 
     @property
     def iterations(self) -> int:
-        """Linear systems solved."""
+        """Linear systems solved in all, or Euler steps."""
         return sum(state.iterations for state in self.states)
-
-
-def silent(done: int, total: int) -> None:
-    """Progress that nobody watches."""
-    del done, total
 
 
 def fold(
     frame: Framework,
     steps: int = 10,
-    progress: Progress = silent,
-    way: FloatArray | None = None,
+    progress: Steps = no_steps,
+    path: FloatArray | None = None,
 ) -> Folding:
-    """Fold a framework from flat to its targets, with as many states, evenly over the load.
+    """Fold a framework from flat to its targets: the flat state and `steps` more, evenly over load.
 
-    Where that would turn hinges by more than 20 degrees at once, there are loads in between: a
-    prediction that turns far would find the target without a way there.
+    Where a step would turn hinges by more than 20 degrees, it is divided into several loads: a
+    prediction that turns farther could jump to the target of a sheet that cannot fold to it.
 
-    way : shape (n, nh), radians, hinge angles to which the hinges are driven one after another,
-        from 0 to the targets; straight where none is given. Loads are even over it as the hinge
-        goes that turns the most.
+    Parameters
+    ----------
+    path : shape (n, nh), radians, stations from 0 to the targets through which the hinge angles are
+        driven; the straight line where left out. Loads are even over the length of the path
+        (`largest_turns`).
     progress : called with (loads done, loads in all); an exception that it raises ends the fold.
+
+    Raises `InvalidValue` for less than one step.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
-    turning = turner(frame)
-    in_turn = way is not None
-    if way is None:
-        way = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
-    most = float(largest_turns(way).sum())
-    between = max(1, int(np.ceil(most / (_FARTHEST_RAD * steps))))
-    loads = between * steps
+    predictor = rotation_predictor(frame)
+    in_turn = path is not None
+    if path is None:
+        path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    length = float(largest_turns(path).sum())
+    per_step = max(1, int(np.ceil(length / (_FARTHEST_RAD * steps))))
+    loads = per_step * steps
     state = flat_state(frame)
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
     solved, rested, peak = 0, True, 0.0
     for number in range(1, loads + 1):
         progress(number - 1, loads)
-        target, rate = along(way, number / loads)
-        coords = _predicted(frame, turning, state.coords, angles + rate / loads, target)
-        coords, accepted, iterations, settled = _rest(frame, coords, target, number == loads)
-        coords = aligned(coords, state.coords)
-        solved, rested = solved + iterations, rested and settled
-        state = state_of(frame, number / loads, coords, target, solved, rested, accepted)
+        target, rate = path_at(path, number / loads)
+        coords = _predicted(frame, predictor, state.coords, angles + rate / loads, target)
+        rest = _relaxed(frame, coords, target, number == loads)
+        coords = aligned(rest.coords, state.coords)
+        solved, rested = solved + rest.iterations, rested and rest.settled
+        state = state_of(frame, number / loads, coords, target, solved, rested, rest.accepted)
         peak = max(peak, state.strain_max)
-        if number % between == 0:
+        if number % per_step == 0:
             states.append(replace(state, strain_peak=peak))
             solved, rested, peak = 0, True, 0.0
         angles = frame.angles_near(coords, target)
@@ -149,44 +148,57 @@ def fold(
     return Folding(frame, tuple(states), in_turn)
 
 
-def along(way: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
-    """Angles at a share of a way, over 0 to 1, and how fast they change there, shapes (nh,).
+def path_at(path: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
+    """Hinge angles at a share, 0 to 1, of a path's length, and their rate of change per share.
 
-    way : shape (n, nh), measured by how far the hinge goes that turns the most.
+    path : shape (n, nh), radians; its length is that of `largest_turns`. Both results have shape
+    (nh,).
+
+    >>> angles, rate = path_at(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 3.0]]), 0.5)
+    >>> angles.tolist(), rate.tolist()
+    ([1.0, 1.0], [0.0, 4.0])
     """
-    turned = largest_turns(way).cumsum()
+    turned = largest_turns(path).cumsum()
     if turned[-1] == 0:
-        return way[-1], np.zeros_like(way[-1])
+        return path[-1], np.zeros_like(path[-1])
     ends = turned / turned[-1]
     number = int(np.searchsorted(ends, share))
     begin = ends[number - 1] if number else 0.0
-    rate = (way[number + 1] - way[number]) / (ends[number] - begin)
-    return way[-1] if share == 1 else way[number] + (share - begin) * rate, rate
+    rate = (path[number + 1] - path[number]) / (ends[number] - begin)
+    return path[-1] if share == 1 else path[number] + (share - begin) * rate, rate
 
 
-def largest_turns(way: FloatArray) -> FloatArray:
-    """How far the hinge goes that turns the most, from each station to the next, shape (n - 1,)."""
-    return np.asarray(np.abs(np.diff(way, axis=0)).max(axis=1, initial=0.0))
+def largest_turns(path: FloatArray) -> FloatArray:
+    """The largest turn of any hinge from each station of a path to the next, shape (n - 1,)."""
+    return np.asarray(np.abs(np.diff(path, axis=0)).max(axis=1, initial=0.0))
 
 
 def _predicted(
     frame: Framework,
-    turning: Turner,
+    predictor: RotationPredictor,
     coords: FloatArray,
     angles: FloatArray,
     target: FloatArray,
 ) -> FloatArray:
     """The sheet with all hinges turned to `angles`, or as it was where that stores less energy."""
-    turned = turning.coords(angles)
+    turned = predictor.coords(angles)
     if frame.energy(turned, target).total < frame.energy(coords, target).total:
         return turned
     return coords
 
 
-def _rest(
-    frame: Framework, coords: FloatArray, target: FloatArray, last: bool
-) -> tuple[FloatArray, tuple[float, ...], int, bool]:
-    """Coordinates of least energy near to `coords`; energies on the way; steps; whether settled."""
+@dataclass(frozen=True)
+class _Rest:
+    """Where the sheet came to rest: see `FoldState` for the fields."""
+
+    coords: FloatArray
+    accepted: tuple[float, ...]
+    iterations: int
+    settled: bool
+
+
+def _relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: bool) -> _Rest:
+    """The local minimum of energy near to `coords`; last : whether the load is the full one."""
     most = _MOST_AT_LAST if last else _MOST
     energy = frame.energy(coords, target).total
     accepted = [energy]
@@ -194,7 +206,7 @@ def _rest(
     for solved in range(1, most + 1):
         gradient, matrix = frame.linearised(coords, target)
         if energy <= _ROUNDING_ENERGY * matrix.diagonal().sum():
-            return coords, tuple(accepted), solved - 1, True
+            return _Rest(coords, tuple(accepted), solved - 1, True)
         step = damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
         for length in _LENGTHS:
             lower = frame.energy(coords + length * step, target).total
@@ -202,7 +214,7 @@ def _rest(
                 break
         else:
             if np.abs(step).max() < _ROUNDING or damping > _MOST_DAMPING:
-                return coords, tuple(accepted), solved, True
+                return _Rest(coords, tuple(accepted), solved, True)
             damping = max(100 * damping, 1e-10)
             continue
         coords, share, energy = coords + length * step, 1 - lower / energy, lower
@@ -210,13 +222,13 @@ def _rest(
         if np.abs(step).max() < _ROUNDING or (
             not last and damping < _TRUSTED_DAMPING and share < _SETTLED
         ):
-            return coords, tuple(accepted), solved, True
+            return _Rest(coords, tuple(accepted), solved, True)
         damping = max(damping / 10, _LEAST_DAMPING) if length == 1 else 10 * damping
-    return coords, tuple(accepted), most, False
+    return _Rest(coords, tuple(accepted), most, False)
 
 
 def damped(matrix: csc_array, damping: float) -> SuperLU:
-    """Factors of a matrix with `damping` times the mean of its diagonal added to the latter."""
+    """Factors of a symmetric matrix, `damping` times its mean diagonal entry added to each."""
     matrix = matrix.copy()
     diagonal = matrix.diagonal()
     matrix.setdiag(diagonal + damping * diagonal.mean())
@@ -239,7 +251,10 @@ def state_of(
     settled: bool,
     accepted: tuple[float, ...] = (),
 ) -> FoldState:
-    """A state with its energy and strains."""
+    """The state at `coords`, shape (nv, 3), with its energy and strains.
+
+    target : shape (nh,), radians, of this load.
+    """
     strain = np.abs(frame.strains(coords))
     return FoldState(
         load,
@@ -255,9 +270,17 @@ def state_of(
 
 
 def aligned(coords: FloatArray, onto: FloatArray) -> FloatArray:
-    """Moved rigidly, to lie as near as possible to the state before."""
-    middle, place = coords.mean(axis=0), onto.mean(axis=0)
-    left, _, right = np.linalg.svd((coords - middle).T @ (onto - place))
+    """Points moved rigidly, without mirroring, to least square distance from others (Kabsch 1976).
+
+    Both have shape (n, 3).
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> upright = square[:, [2, 0, 1]] + [5.0, 0.0, 0.0]
+    >>> bool(np.allclose(aligned(upright, square), square))
+    True
+    """
+    middle, goal = coords.mean(axis=0), onto.mean(axis=0)
+    left, _, right = np.linalg.svd((coords - middle).T @ (onto - goal))
     sign = np.sign(np.linalg.det(left @ right))
     turn = left @ np.diag([1.0, 1.0, sign]) @ right
-    return np.asarray((coords - middle) @ turn + place)
+    return np.asarray((coords - middle) @ turn + goal)

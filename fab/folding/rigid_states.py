@@ -1,4 +1,4 @@
-"""Which folded state near to one with bent faces has all of them flat?"""
+"""Rigid folded states, with all faces flat, near to simulated ones that bend them."""
 
 from __future__ import annotations
 
@@ -8,45 +8,47 @@ from scipy.sparse import coo_array, csc_array
 from fab.folding.bar_hinge_model import Framework, hinge_angles
 from fab.folding.folding_path import Closure
 from fab.folding.quasi_static import damped
-from fab.folding.rotation_predictor import Turner
+from fab.folding.rotation_predictor import RotationPredictor
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["rigid_coords"]
 
 _STEPS = 20
 _CLOSED_RAD = 1e-12
-# Rounding ends the search.
+# Below this, an error that no longer falls is rounding.
 _NEARLY_RAD = 1e-9
-# Redundant vertices leave singular systems: as much is added, over the mean of the diagonal.
+# Redundant vertices leave singular systems: added to the diagonal, relative to its mean.
 _DAMPING = 1e-12
-# No hinge turns by more, over all steps: beyond, the state is another one.
+# A state in which a hinge has turned by more, over all steps, is not nearby.
 _FARTHEST_RAD = np.radians(15.0)
 
 
 def rigid_coords(
-    frame: Framework, closure: Closure, turning: Turner, coords: FloatArray
+    frame: Framework, closure: Closure, predictor: RotationPredictor, coords: FloatArray
 ) -> FloatArray | None:
-    """Vertices, shape (nv, 3), over the framework's size, where the turns around all vertices
-    close with no face bent; None where there is no such state nearby.
+    """The vertices of a rigid state near to `coords`; None where no such state is nearby.
 
-    Newton's method on the angles of the creases, each step the shortest that closes to first order
-    (belcastro and Hull 2002 for what closes). Holes are not closed.
+    Both have shape (nv, 3), relative to the framework's size. All vertices close and no face is
+    bent; holes need not close. Newton's method on the angles of the creases, each step the shortest
+    that closes to first order; for the condition see belcastro and Hull (2002).
+
+    closure, predictor : of the framework, by `hinges_around` and `rotation_predictor`.
     """
     creases = np.flatnonzero(frame.hinges_edge >= 0)
-    place = np.full(len(frame.hinges_edge), -1)
-    place[creases] = np.arange(len(creases))
-    begin = np.where(place >= 0, hinge_angles(coords, frame.hinges_vertices), 0.0)
+    column = np.full(len(frame.hinges_edge), -1)
+    column[creases] = np.arange(len(creases))
+    begin = np.where(column >= 0, hinge_angles(coords, frame.hinges_vertices), 0.0)
     angles = begin.copy()
     if not len(closure.hinges):
-        return turning.coords(angles)
+        return predictor.coords(angles)
     before = np.inf
     for _ in range(_STEPS):
         missed, slopes = closure.errors(angles[None])
         worst = float(np.abs(missed).max(initial=0.0))
         if worst <= _CLOSED_RAD or (worst <= _NEARLY_RAD and worst >= before):
-            return turning.coords(angles)
+            return predictor.coords(angles)
         before = worst
-        jacobian = _jacobian(closure.hinges, slopes[0], place)
+        jacobian = _jacobian(closure.hinges, slopes[0], column)
         normal = (jacobian @ jacobian.T).tocsc()
         angles[creases] -= jacobian.T @ damped(normal, _DAMPING).solve(missed.ravel())
         if not np.abs(angles - begin).max() <= _FARTHEST_RAD:
@@ -54,11 +56,14 @@ def rigid_coords(
     return None
 
 
-def _jacobian(hinges: IntArray, slopes: FloatArray, place: IntArray) -> csc_array:
-    """Of the errors around all vertices by the angles of the creases, shape (3 m, k)."""
-    columns = np.broadcast_to(place[hinges][:, :, None], slopes.shape)
+def _jacobian(hinges: IntArray, slopes: FloatArray, column: IntArray) -> csc_array:
+    """Of the errors around all vertices by the angles of the k creases, shape (3 m, k).
+
+    column : shape (nh,), that of each hinge, -1 for facet creases.
+    """
+    columns = np.broadcast_to(column[hinges][:, :, None], slopes.shape)
     rows = 3 * np.arange(len(hinges))[:, None, None] + np.arange(3)
     rows = np.broadcast_to(rows, slopes.shape)
     own = (columns >= 0) & (slopes != 0)
-    shape = (3 * len(hinges), int(place.max(initial=-1)) + 1)
+    shape = (3 * len(hinges), int(column.max(initial=-1)) + 1)
     return coo_array((slopes[own], (rows[own], columns[own])), shape=shape).tocsc()

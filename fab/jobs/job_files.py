@@ -82,9 +82,9 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
         solids = _solid_files(job, pattern, wanted, files, findings, boxes, clock)
     simulation: dict[str, Any] | None = None
     if job.simulation is not None:
-        from fab.folding.simulation import simulated
+        from fab.folding.simulation import fold_and_judge
 
-        _, verdict, told = simulated(pattern, job.simulation, progress=clock.progress)
+        _, verdict, told = fold_and_judge(pattern, job.simulation, progress=clock.progress)
         findings += told
         simulation = verdict.report()
     if Format.PNG in wanted:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fab.folding.bar_hinge_model import framework
-from fab.folding.dynamics import DynamicSettings, moved
+from fab.folding.dynamics import DynamicSettings, integrate
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.verdict import judge
 from fab.pattern.crease_pattern import crease_pattern
@@ -72,7 +72,7 @@ def test_rest_to_rest_is_ten_times_faster_than_masses_that_move(benchmark):
         while slow < 100 * quick:
             settings = DynamicSettings(steps=500, settled_speed=0.0)
             taken, motion = seconds(
-                lambda f=frame, s=settings, m=motion: moved(f, f.hinges_target, s, m)
+                lambda f=frame, s=settings, m=motion: integrate(f, f.hinges_target, s, m)
             )
             slow += taken
             if not motion.finite or error(motion.coords, form) <= wanted:

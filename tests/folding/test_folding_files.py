@@ -17,7 +17,7 @@ from fab.folding.bar_hinge_model import framework
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_files import SimulationFormat, simulate
 from fab.folding.quasi_static import aligned, fold
-from fab.folding.simulation import Solver, simulated
+from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.verdict import judge
 from fab.formats.fold_reader import read_pattern, read_pattern_file
 from fab.jobs.job import load_job
@@ -62,12 +62,12 @@ def test_patterns_of_others_fold_to_their_target(name):
 
 
 @pytest.mark.parametrize("name", NOT_REACHED)
-def test_patterns_that_do_not_get_there_are_told(name):
-    told = report(name)
-    verdict = told["verdict"]
+def test_patterns_that_miss_their_target_are_reported(name):
+    found = report(name)
+    verdict = found["verdict"]
     assert not verdict["reached"]
     assert 0 < len(verdict["off_creases"]) <= 20 <= verdict["off_creases_count"]
-    finding = next(f for f in told["findings"] if f["code"] == "target-not-reached")
+    finding = next(f for f in found["findings"] if f["code"] == "target-not-reached")
     assert "creases turn freely" in finding["text"]
 
 
@@ -79,8 +79,8 @@ def test_the_files_of_a_simulation_hold_its_states(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == names
     found = read_pattern_file(tmp_path / "miura_folding.fold")
     assert len(found.states) == 4
-    told = json.loads((tmp_path / "miura_folding.json").read_text())
-    loads = [point["load"] for point in told["verdict"]["path"]]
+    saved = json.loads((tmp_path / "miura_folding.json").read_text())
+    loads = [point["load"] for point in saved["verdict"]["path"]]
     assert loads == pytest.approx([0, 0.25, 0.5, 0.75, 1.0])
     last = found.states[-1][1]
     side = np.hypot(*np.ptp(found.pattern.vertices_coords, axis=0))
@@ -108,9 +108,9 @@ def test_a_sheet_with_cuts_is_written_open(tmp_path):
 
 def test_the_same_file_gives_the_same_bytes():
     pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
-    one, two = (simulate(pattern, "twist") for _ in range(2))
-    assert dict(one.files) == dict(two.files)
-    assert set(one.files) == {f"twist_folding.{k}" for k in ("fold", "png", "gif", "json")}
+    first, second = (simulate(pattern, "twist") for _ in range(2))
+    assert dict(first.files) == dict(second.files)
+    assert set(first.files) == {f"twist_folding.{k}" for k in ("fold", "png", "gif", "json")}
 
 
 def test_a_job_is_simulated_from_its_file_and_on_request(tmp_path):
@@ -118,30 +118,30 @@ def test_a_job_is_simulated_from_its_file_and_on_request(tmp_path):
     assert result.exit_code == 0, result.output
     assert "would write" in result.output
     job = load_job(TEMPLATES / "miura.toml", ["simulation.steps=5"])
-    told = make(job, [Format.FOLD]).report
-    assert told["simulation"]["reached"]
-    assert len(told["simulation"]["path"]) == 6
+    simulation = make(job, [Format.FOLD]).report["simulation"]
+    assert simulation["reached"]
+    assert len(simulation["path"]) == 6
     assert made_template("miura").report["simulation"] is None
 
 
 def test_the_dynamic_solver_can_be_asked_for():
     pattern, _ = read_pattern(PATTERNS / "miura.fold")
-    folding, verdict, _ = simulated(pattern, FoldSettings(steps=1), Solver.DYNAMIC)
+    folding, verdict, _ = fold_and_judge(pattern, FoldSettings(steps=1), Solver.DYNAMIC)
     assert folding.iterations > 1000
     assert verdict.wrong_creases == ()
     assert verdict.rmsd_rel < 1e-3
 
 
-def test_progress_is_told_and_ends():
+def test_progress_is_reported_and_ends():
     pattern, _ = read_pattern(PATTERNS / "miura.fold")
-    told = []
-    simulate(pattern, "miura", FoldSettings(steps=10), progress=lambda *at: told.append(at))
-    assert [at for at in told if at[0] == "fold"] == [("fold", n, 10) for n in range(11)]
-    assert told[-1] == ("write", 1, 1)
+    calls = []
+    simulate(pattern, "miura", FoldSettings(steps=10), progress=lambda *at: calls.append(at))
+    assert [at for at in calls if at[0] == "fold"] == [("fold", n, 10) for n in range(11)]
+    assert calls[-1] == ("write", 1, 1)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (["nowhere.fold"], "cannot be read"),
         (["--states", "0"], "steps"),
@@ -150,11 +150,11 @@ def test_progress_is_told_and_ends():
         (["--solver", "magic"], "quasi-static"),
     ],
 )
-def test_bad_arguments_are_refused(tmp_path, arguments, said):
+def test_bad_arguments_are_refused(tmp_path, arguments, message):
     file = [] if arguments[0].endswith(".fold") else [PATTERNS / "miura.fold"]
     result = run("simulate", *file, *arguments, "--out", tmp_path)
     assert result.exit_code == 2
-    assert said in result.output
+    assert message in result.output
     assert list(tmp_path.iterdir()) == []
 
 
@@ -171,20 +171,20 @@ def test_an_interrupt_leaves_nothing(tmp_path, monkeypatch, solver):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"edges_foldAngle": 190.0}, "must lie from -180 to 180"),
         ({"vertices_coords": [float("nan"), 0.0]}, "finite"),
     ],
 )
-def test_bad_files_are_refused(tmp_path, change, said):
+def test_bad_files_are_refused(tmp_path, change, message):
     document = json.loads((PATTERNS / "miura.fold").read_text())
     for key, value in change.items():
         document[key][0] = value
     (tmp_path / "bad.fold").write_text(json.dumps(document))
     result = run("simulate", tmp_path / "bad.fold", "--out", tmp_path / "out")
     assert result.exit_code == 2
-    assert said in result.output
+    assert message in result.output
     assert not (tmp_path / "out").exists()
 
 
@@ -192,8 +192,8 @@ SQUARES = [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
 TWO = [[0, 1, 4, 3], [1, 2, 5, 4]]
 
 
-def codes(told):
-    return {finding["code"] for finding in told["findings"]}
+def codes(report):
+    return {finding["code"] for finding in report["findings"]}
 
 
 @pytest.mark.parametrize(
@@ -205,37 +205,37 @@ def codes(told):
         pattern_of(SQUARES, TWO, cuts=[(1, 4)]),
     ],
 )
-def test_sheets_with_nothing_to_fold_are_told(pattern):
+def test_sheets_with_nothing_to_fold_are_reported(pattern):
     made = simulate(pattern, "sheet", FoldSettings(steps=1), formats=[SimulationFormat.FOLD])
     assert made.report["verdict"]["reached"]
     assert made.report["verdict"]["driven"] == 0
     assert codes(made.report) == {"nothing-to-fold"}
 
 
-def test_creases_that_turn_freely_are_told():
+def test_creases_that_turn_freely_are_reported():
     coords = [[x, y] for y in range(2) for x in range(4)]
     faces = [[x, x + 1, x + 5, x + 4] for x in range(3)]
     letters = np.full(len(pattern_of(coords, faces).edges_vertices), "V")
     edges = pattern_of(coords, faces).edges_vertices.tolist()
     letters[edges.index([1, 5])] = "U"
-    told = simulate(pattern_of(coords, faces, letters), "sheet", formats=[]).report
-    assert told["verdict"]["reached"]
-    assert (told["verdict"]["driven"], told["verdict"]["free"]) == (1, 1)
-    assert codes(told) == {"creases-free"}
+    found = simulate(pattern_of(coords, faces, letters), "sheet", formats=[]).report
+    assert found["verdict"]["reached"]
+    assert (found["verdict"]["driven"], found["verdict"]["free"]) == (1, 1)
+    assert codes(found) == {"creases-free"}
 
 
-def test_a_folded_form_against_the_angles_is_told():
+def test_a_folded_form_against_the_angles_is_reported():
     flat = pattern_of(SQUARES, TWO, "V")
     other = replace(flat, folded_coords=np.pad(flat.vertices_coords, ((0, 0), (0, 1))))
-    told = simulate(other, "sheet", formats=[]).report
-    assert not told["verdict"]["reached"]
-    text = next(f["text"] for f in told["findings"] if f["code"] == "target-not-reached")
-    assert "the folded form of the file is another" in text
+    found = simulate(other, "sheet", formats=[]).report
+    assert not found["verdict"]["reached"]
+    text = next(f["text"] for f in found["findings"] if f["code"] == "target-not-reached")
+    assert "the folded form in the file is not the one they give" in text
     point = replace(flat, folded_coords=np.zeros((6, 3)))
     assert judge(fold(framework(point), 1)).rmsd_rel > 0.1
 
 
-def test_faces_that_miss_each_other_around_a_hole_are_told():
+def test_faces_that_miss_each_other_around_a_hole_are_reported():
     """Both rows around the hole roll up, one to each side: parallel at the end, but apart."""
     sheet = grid(3, 3, 10.0, without=[(1, 1)])
     middle = sheet.vertices_coords[sheet.edges_vertices].mean(axis=1)
@@ -244,17 +244,17 @@ def test_faces_that_miss_each_other_around_a_hole_are_told():
     angle[(middle[:, 1] == 25) & (sheet.edges_faces[:, 1] >= 0)] = -90.0
     letters = np.where(angle > 0, "V", np.where(angle < 0, "M", "F"))
     letters[sheet.edges_faces[:, 1] < 0] = "B"
-    told = simulate(
+    found = simulate(
         replace(sheet, edges_foldAngle=angle, edges_assignment=letters), "sheet", formats=[]
     ).report
-    assert told["verdict"]["closure_max_rad"] < 1e-9
-    assert told["verdict"]["gap_rel"] > 0.1
-    text = next(f["text"] for f in told["findings"] if f["code"] == "target-not-reached")
+    assert found["verdict"]["closure_max_rad"] < 1e-9
+    assert found["verdict"]["gap_rel"] > 0.1
+    text = next(f["text"] for f in found["findings"] if f["code"] == "target-not-reached")
     assert "of the diagonal around a hole" in text
 
 
 def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
-    """That of the angles, whether the sheet gets there or not; none where they do not close."""
+    """That of the angles, whether the sheet reaches it or not; none where they do not close."""
     names = ("square_twist", "popup", "miura")
     sheets = [read_pattern(PATTERNS / f"{name}.fold")[0] for name in names]
     assert all(pattern.folded_coords is None for pattern in sheets)
@@ -282,8 +282,8 @@ def test_pictures_show_the_whole_sheet_with_a_margin():
     """Squares reach farthest out of the box of their coordinates, seen from above a corner."""
     files = simulate(grid(2, 2, 50.0), "grid", FoldSettings(steps=1)).files
     with Image.open(io.BytesIO(files["grid_folding.gif"])) as animation:
-        shown = np.asarray(animation.convert("L"))
-    drawn = shown[100:, :] < 250
+        pixels = np.asarray(animation.convert("L"))
+    drawn = pixels[100:, :] < 250
     across, down = np.flatnonzero(drawn.any(axis=0)), np.flatnonzero(drawn.any(axis=1))
     assert 45 < across[0] < across[-1] < 755  # beyond, the axes clip
     assert np.ptp(across) > 600

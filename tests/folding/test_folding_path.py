@@ -1,4 +1,4 @@
-"""Ways in turn: the crane from flat to its form, closure against the kinematics, straight ways."""
+"""Folding paths: a crane from flat to its form, closure against the kinematics, straight paths."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -10,9 +10,9 @@ from helpers import PATTERNS
 
 from fab.folding.bar_hinge_model import framework, hinge_angles, wrapped
 from fab.folding.fold_settings import FoldSettings
-from fab.folding.folding_path import closing_way, hinges_around
-from fab.folding.quasi_static import along, fold, largest_turns
-from fab.folding.simulation import simulated
+from fab.folding.folding_path import closing_path, hinges_around
+from fab.folding.quasi_static import fold, largest_turns, path_at
+from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import findings_of, judge
 from fab.formats.fold_reader import read_pattern
 from fab.pattern.kinematics import vertices_closure_rad
@@ -27,7 +27,7 @@ def frame_of(name):
 @pytest.fixture(scope="module")
 def crane():
     frame = frame_of("crane")
-    return frame, closing_way(frame).angles
+    return frame, closing_path(frame).angles
 
 
 def worst_closure(frame, angles):
@@ -35,70 +35,70 @@ def worst_closure(frame, angles):
     return np.linalg.norm(missed, axis=2).max()
 
 
-def test_a_crane_locks_all_at_once_and_folds_in_turn():
+def test_a_crane_gets_stuck_all_at_once_and_folds_along_a_path():
     pattern, _ = read_pattern(PATTERNS / "crane.fold")
     together = fold(framework(pattern))
     verdict = judge(together)
-    assert verdict.locked
+    assert verdict.in_local_minimum
     assert not verdict.reached
     assert not verdict.in_turn
     assert "take more steps" in findings_of(verdict)[0].text
     stages = []
-    _, verdict, findings = simulated(
+    _, verdict, findings = fold_and_judge(
         pattern, FoldSettings(), progress=lambda *at: stages.append(at)
     )
     assert verdict.reached
     assert verdict.in_turn
-    assert not verdict.locked
+    assert not verdict.in_local_minimum
     assert verdict.rmsd_rel < 1e-12
     assert all(point.settled for point in verdict.path)
     assert 0.01 < verdict.peak_strain < 0.1
     assert together.iterations < verdict.iterations < 600
     assert "folds-in-turn" in {finding.code for finding in findings}
-    told = [at[1:] for at in stages if at[0] == "order"]
-    assert told == [(number, told[0][1]) for number in range(told[0][1] + 1)]
+    steps = [at[1:] for at in stages if at[0] == "order"]
+    assert steps == [(number, steps[0][1]) for number in range(steps[0][1] + 1)]
 
 
 @pytest.mark.parametrize(
     "settings", [FoldSettings(axial=200.0), FoldSettings(steps=1, facet=0.07, crease=0.2)]
 )
-def test_cranes_of_any_stiffness_and_either_side_fold_in_turn(settings):
+def test_cranes_of_any_stiffness_and_either_side_fold_along_a_path(settings):
     pattern, _ = read_pattern(PATTERNS / "crane.fold")
     letters = pattern.edges_assignment
     other = np.select([letters == "M", letters == "V"], ["V", "M"], letters)
     turned = replace(pattern, edges_foldAngle=-pattern.edges_foldAngle, edges_assignment=other)
     for sheet in (pattern, turned):
-        _, verdict, _ = simulated(sheet, settings)
+        _, verdict, _ = fold_and_judge(sheet, settings)
         assert verdict.reached
         assert verdict.in_turn
         assert verdict.rmsd_rel < 1e-12
 
 
 def test_no_hinge_of_a_crane_turns_by_over_20_degrees_between_two_states_at_rest(crane):
-    frame, way = crane
-    folding = fold(frame, 60, way=way)
+    frame, path = crane
+    folding = fold(frame, 60, path=path)
     assert folding.in_turn
     assert all(state.settled for state in folding.states)
     angles = [hinge_angles(state.coords, frame.hinges_vertices) for state in folding.states]
     turns = [np.abs(wrapped(b - a)).max() for a, b in pairwise(angles)]
     assert max(turns) < STEP
     assert folding.states[-1].energy.total < 1e-20
-    few = fold(frame, 1, way=way).states[-1]
+    few = fold(frame, 1, path=path).states[-1]
     assert few.energy.total < 1e-20
     assert few.strain_peak > 0.01 > 1e-12 > few.strain_max
 
 
-def test_the_way_of_a_crane_starts_flat_ends_folded_and_nearly_closes(crane):
-    frame, way = crane
-    assert not way[0].any()
-    assert (way[-1] == frame.hinges_target).all()
-    turns = largest_turns(way)
+def test_the_path_of_a_crane_starts_flat_ends_folded_and_nearly_closes(crane):
+    frame, path = crane
+    assert not path[0].any()
+    assert (path[-1] == frame.hinges_target).all()
+    turns = largest_turns(path)
     assert turns.max() <= STEP + 1e-12
-    straight = np.linspace(0.0, 1.0, len(way))[:, None] * frame.hinges_target
+    straight = np.linspace(0.0, 1.0, len(path))[:, None] * frame.hinges_target
     assert worst_closure(frame, straight) > np.radians(90.0)
-    assert worst_closure(frame, way) < np.radians(25.0)
-    assert np.abs(way).max() < np.radians(195.0)
-    assert (closing_way(frame).angles == way).all()
+    assert worst_closure(frame, path) < np.radians(25.0)
+    assert np.abs(path).max() < np.radians(195.0)
+    assert (closing_path(frame).angles == path).all()
 
 
 def test_closure_of_triangles_is_that_of_the_kinematics():
@@ -133,32 +133,32 @@ def test_slopes_are_derivatives_where_vertices_close():
     assert closure.errors(np.zeros((2, len(at))))[0] == pytest.approx(0.0, abs=1e-15)
 
 
-def test_where_nothing_must_close_the_way_is_straight():
+def test_where_nothing_must_close_the_path_is_straight():
     strip = grid(4, 1, 10.0)
     frame = framework(strip)
     assert frame.hinges_target.max() == np.pi / 2
-    way = closing_way(frame).angles
-    assert way == pytest.approx(np.linspace(0.0, 1.0, len(way))[:, None] * frame.hinges_target)
+    path = closing_path(frame).angles
+    assert path == pytest.approx(np.linspace(0.0, 1.0, len(path))[:, None] * frame.hinges_target)
     still = framework(replace(strip, edges_foldAngle=0.0 * strip.edges_foldAngle))
-    assert not closing_way(still).angles.any()
+    assert not closing_path(still).angles.any()
 
 
-def test_along_a_way_shares_are_even_over_the_largest_turn():
-    way = np.radians([[0.0, 0.0], [30.0, 0.0], [30.0, 10.0], [20.0, -50.0]])
+def test_shares_of_a_path_are_even_over_the_largest_turn():
+    path = np.radians([[0.0, 0.0], [30.0, 0.0], [30.0, 10.0], [20.0, -50.0]])
     for share, angles, rate in (
         (0.15, [15.0, 0.0], [100.0, 0.0]),
         (0.35, [30.0, 5.0], [0.0, 100.0]),
         (0.7, [25.0, -20.0], [-100 / 6, -100.0]),
         (1.0, [20.0, -50.0], [-100 / 6, -100.0]),
     ):
-        found = along(way, share)
+        found = path_at(path, share)
         assert np.degrees(found[0]) == pytest.approx(angles)
         assert np.degrees(found[1]) == pytest.approx(rate)
     straight = np.array([[0.0, 0.0, 0.0], [0.1, -3.1, 0.7]])
-    assert all((along(straight, n / 7)[0] == n / 7 * straight[1]).all() for n in range(1, 8))
+    assert all((path_at(straight, n / 7)[0] == n / 7 * straight[1]).all() for n in range(1, 8))
 
 
-def test_only_sheets_that_lock_are_folded_again():
+def test_only_sheets_that_get_stuck_are_folded_again():
     pattern, _ = read_pattern(PATTERNS / "crane.fold")
     angles = pattern.edges_foldAngle.copy()
     angles[np.flatnonzero(pattern.edges_assignment == "M")[0]] += 40.0
@@ -168,6 +168,8 @@ def test_only_sheets_that_lock_are_folded_again():
     settings = FoldSettings(steps=2)
     for other in (open_angles, free, miura):
         stages = []
-        _, verdict, _ = simulated(other, settings, progress=lambda *at, to=stages: to.append(at[0]))
+        _, verdict, _ = fold_and_judge(
+            other, settings, progress=lambda *at, to=stages: to.append(at[0])
+        )
         assert "order" not in stages
         assert not verdict.in_turn

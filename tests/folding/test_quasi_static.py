@@ -7,10 +7,10 @@ import pytest
 from helpers import GRIDS, PATTERNS, TEMPLATE_NAMES, made_template, published
 
 from fab.folding.bar_hinge_model import framework, hinge_angles
-from fab.folding.dynamics import DynamicSettings, Motion, fold_dynamically, moved
+from fab.folding.dynamics import DynamicSettings, Motion, fold_dynamically, integrate
 from fab.folding.fold_settings import Stiffness
 from fab.folding.quasi_static import fold
-from fab.folding.rotation_predictor import turner
+from fab.folding.rotation_predictor import rotation_predictor
 from fab.folding.verdict import findings_of, judge
 from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import CreasePattern, assignments, fold_angles_deg
@@ -35,8 +35,8 @@ def pattern_of_model(name) -> CreasePattern:
         [number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1
     ).reshape(-1, 4)
     flat, folded = flat.reshape(-1, 3), folded.reshape(-1, 3)
-    one, two = flat[faces[0, 1]] - flat[faces[0, 0]], flat[faces[0, 2]] - flat[faces[0, 0]]
-    if one[0] * two[1] < one[1] * two[0]:
+    first, second = flat[faces[0, 1]] - flat[faces[0, 0]], flat[faces[0, 2]] - flat[faces[0, 0]]
+    if first[0] * second[1] < first[1] * second[0]:
         faces = faces[:, ::-1]
     corners, offsets = faces.ravel().copy(), 4 * np.arange(len(faces) + 1)
     edges = edges_of(corners, offsets)
@@ -96,10 +96,10 @@ def test_turning_all_hinges_to_their_targets_is_the_folded_form(tmp_path):
     """The prediction alone, without any equilibrium: also for hinges off the tree."""
     pattern = template("twisted_squares", tmp_path)
     frame = framework(pattern)
-    turned = turner(frame).coords(frame.hinges_target)
+    turned = rotation_predictor(frame).coords(frame.hinges_target)
     assert hinge_angles(turned, frame.hinges_vertices) == pytest.approx(frame.hinges_target)
     assert np.abs(frame.strains(turned)).max() < 1e-9
-    still = turner(frame).coords(np.zeros_like(frame.hinges_target))
+    still = rotation_predictor(frame).coords(np.zeros_like(frame.hinges_target))
     away = still - frame.vertices_coords
     assert away - away[0] == pytest.approx(0.0, abs=1e-12)
 
@@ -108,7 +108,7 @@ def test_few_states_do_not_jump_to_the_target():
     """All hinges turned at once would be the target of every pattern whose angles close."""
     crane, _ = read_pattern(PATTERNS / "crane.fold")
     frame = framework(crane)
-    jump = turner(frame).coords(frame.hinges_target)
+    jump = rotation_predictor(frame).coords(frame.hinges_target)
     assert frame.energy(jump, frame.hinges_target).total < 1e-20
     calls = []
     folding = fold(frame, 1, lambda *at: calls.append(at))
@@ -116,9 +116,9 @@ def test_few_states_do_not_jump_to_the_target():
     assert [state.load for state in folding.states] == [0.0, 1.0]
     assert not judge(folding).reached
     bird, _ = read_pattern(PATTERNS / "bird_base.fold")
-    one, many = fold(framework(bird), 1), fold(framework(bird), 9)
-    assert one.states[-1].coords == pytest.approx(many.states[-1].coords, abs=1e-9)
-    assert one.iterations == many.iterations
+    few, many = fold(framework(bird), 1), fold(framework(bird), 9)
+    assert few.states[-1].coords == pytest.approx(many.states[-1].coords, abs=1e-9)
+    assert few.iterations == many.iterations
 
 
 def test_no_accepted_step_raises_the_energy(tmp_path):
@@ -202,7 +202,7 @@ def test_wrong_patterns_are_not_reached_and_named(tmp_path):
     assert not verdict.reached
 
 
-def test_faces_that_pass_through_each_other_on_the_way_are_told(tmp_path):
+def test_faces_that_pass_through_each_other_on_the_way_are_reported(tmp_path):
     pattern = template("trefoil_knot", tmp_path)
     folding = fold(framework(pattern))
     verdict = judge(folding)
@@ -217,8 +217,8 @@ def test_faces_that_pass_through_each_other_on_the_way_are_told(tmp_path):
 
 def test_the_same_pattern_folds_to_the_same_bits(tmp_path):
     frame = framework(template("twisted_squares", tmp_path))
-    one, two = fold(frame), fold(framework(frame.sheet.pattern))
-    assert (one.states[-1].coords == two.states[-1].coords).all()
+    first, second = fold(frame), fold(framework(frame.sheet.pattern))
+    assert (first.states[-1].coords == second.states[-1].coords).all()
 
 
 def test_steps_must_be_at_least_one(tmp_path):
@@ -244,7 +244,7 @@ def test_free_motion_keeps_its_momentum(tmp_path):
     begin = Motion(frame.vertices_coords, velocity, 0, False, True)
     for damping in (0.0, 0.45):
         settings = DynamicSettings(damping=damping, steps=2000, settled_speed=0.0)
-        end = moved(frame, frame.hinges_target, settings, begin)
+        end = integrate(frame, frame.hinges_target, settings, begin)
         assert end.finite
         assert norm(end.coords - frame.vertices_coords).max() > 0.01
         assert end.velocity.sum(axis=0) == pytest.approx(velocity.sum(axis=0), abs=1e-12)
@@ -267,5 +267,5 @@ def test_the_dynamic_solver_comes_to_the_same_form(tmp_path):
 def test_a_motion_that_blows_up_keeps_the_state_before(tmp_path):
     frame = framework(template("miura", tmp_path))
     wild = Motion(frame.vertices_coords, np.full_like(frame.vertices_coords, 1e200), 0, False, True)
-    end = moved(frame, frame.hinges_target, DynamicSettings(steps=1000), wild)
+    end = integrate(frame, frame.hinges_target, DynamicSettings(steps=1000), wild)
     assert not end.finite

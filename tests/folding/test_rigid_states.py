@@ -10,7 +10,7 @@ from fab.folding.folded_states import Stage, folded_states, panels_at
 from fab.folding.folding_path import hinges_around
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.rigid_states import rigid_coords
-from fab.folding.rotation_predictor import turner
+from fab.folding.rotation_predictor import rotation_predictor
 from fab.formats.fold_reader import read_pattern
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
@@ -23,7 +23,7 @@ def halfway(pattern):
 
 
 def rigid(frame, coords):
-    return rigid_coords(frame, hinges_around(frame), turner(frame), coords)
+    return rigid_coords(frame, hinges_around(frame), rotation_predictor(frame), coords)
 
 
 def bend_mm(pattern, frame, coords):
