@@ -1,1 +1,11 @@
-"""..."""
+"""Folding: simulation of a crease pattern from flat to its target, and the verdict on it.
+
+- `folding_files` makes files of a simulation: `simulate`; `animation` draws them.
+- `simulation` folds a pattern and judges it: `fold_and_judge`, with `FoldSettings`.
+- `bar_hinge_model` is the mechanical model, a `Framework` of bars and hinges; `quasi_static` folds
+  it from rest to rest (`fold`, a `Folding`), `dynamics` by masses that move.
+- `rotation_predictor` predicts far turns, `folding_path` finds a path for sheets that get stuck.
+- `verdict` says whether a `Folding` reached its target: `judge`, a `Verdict`.
+- `folded_states` gives the states of rigid panels: `folded_states`, each a `FoldedState`;
+  `rigid_states` finds those without bent faces.
+"""

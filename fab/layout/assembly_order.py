@@ -1,4 +1,4 @@
-"""In which order are the pieces of a sheet put together?"""
+"""Order in which the pieces of a sheet are put together, and their names."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ __all__ = ["assembly_order", "piece_name"]
 def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
     """Pieces in the order of assembling, outwards from the first, and the rank of each.
 
-    pairs : shape (n, 2), neighbours among `count` pieces; a piece is no neighbour of its own.
+    Both of shape (count,). A piece without neighbours among those before it begins anew.
+
+    pairs : shape (n, 2), neighbours among `count` pieces; pairs of a piece with itself are ignored.
+
+    >>> order, rank = assembly_order(np.array([[0, 2], [2, 1]]), 4)
+    >>> order.tolist(), rank.tolist()
+    ([0, 2, 1, 3], [0, 2, 1, 3])
     """
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
@@ -29,7 +35,11 @@ def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
 
 
 def piece_name(number: int) -> str:
-    """The letters of a piece: A, B, ... Z, AA, AB, ..."""
+    """The letters of a piece: A, B, ... Z, AA, AB, ...
+
+    >>> [piece_name(number) for number in (0, 25, 26, 702)]
+    ['A', 'Z', 'AA', 'AAA']
+    """
     name = ""
     number += 1
     while number:

@@ -1,7 +1,7 @@
-"""Where between the pieces on a sheet do more pieces lie?
+"""Gaps between the pieces on a sheet, found on a raster and filled with more pieces.
 
-On a raster: a shape lies free where its cells and those that are taken have none in common, which
-one product of Fourier transforms tells for all places at once.
+A shape is free of others where none of its cells is taken. One product of Fourier transforms gives
+the number of cells in common for all shifts at once.
 """
 
 from __future__ import annotations
@@ -19,22 +19,23 @@ __all__ = ["Gaps"]
 
 # Cells along the longer side of a room.
 _CELLS = 512
-# A point is nearer than this to the middle of its cell, in cells.
+# Largest distance of a point from the middle of its cell, in cells.
 _OFF = 0.5**0.5
-# Buffers have corners on their arcs, and fall short of them between these.
+# Buffers are polygons with their corners on arcs; between the corners they fall short of these.
 _SEGMENTS = 16
 _BULGE = 1 / np.cos(np.pi / (4 * _SEGMENTS))
 
 
 class Gaps:
-    """What is free of a room, less and less as shapes are placed."""
+    """Free cells of a room: each shape that is placed takes some of them."""
 
     def __init__(
         self, taken: Sequence[shapely.Polygon], room_mm: FloatArray, gap_mm: float
     ) -> None:
-        """The free room, its lower left corner at the origin.
+        """A room with some shapes in it.
 
-        taken : what lies there. gap_mm : what is kept free around it.
+        taken : the shapes, mm. room_mm : shape (2,), width and height of the room, its lower left
+        corner at the origin. gap_mm : least distance of two shapes.
         """
         self.room = room_mm
         self.gap = gap_mm
@@ -58,7 +59,10 @@ class Gaps:
     def _cells(
         self, shape: shapely.Polygon, first: np.ndarray, count: np.ndarray, reach_mm: float
     ) -> BoolArray:
-        """All cells with a point that is nearer to a shape than a distance, and a few more."""
+        """Which cells have a point nearer to a shape than reach_mm; a few others may be among them.
+
+        first, count : the lower left cell and the numbers of cells to look at, along x and y.
+        """
         around = shape.buffer((reach_mm + _OFF * self.cell) * _BULGE, quad_segs=_SEGMENTS)
         shapely.prepare(around)
         x, y = (
@@ -68,23 +72,26 @@ class Gaps:
         return out
 
     def place(self, turned: Sequence[shapely.Polygon]) -> tuple[int, FloatArray] | None:
-        """Turn and shift of the lowest place at which one of a piece's turns lies, now taken.
+        """Place a piece in the lowest gap that it fits in the first turn that fits any.
 
-        None where none does.
+        The number of its turn and its shift, shape (2,), mm; the gap is then taken. None where the
+        piece fits nowhere.
+
+        turned : the piece in each of its turns, mm.
         """
         disk = shapely.maximum_inscribed_circle(turned[0], tolerance=self.cell)
         if shapely.length(disk) > self.widest + 2 * self.cell:
             return None
         for turn, shape in enumerate(turned):
             low, high = np.reshape(shape.bounds, (2, 2))
-            places = np.floor((self.room - (high - low)) / self.cell).astype(int) + 1
-            if (places < 1).any():
+            shifts = np.floor((self.room - (high - low)) / self.cell).astype(int) + 1
+            if (shifts < 1).any():
                 continue
             at_origin = shapely.transform(shape, lambda p, low=low: p - low)
             size = np.ceil((high - low) / self.cell).astype(int)
             mask = self._cells(at_origin, np.zeros(2, int), size, 0.0).astype(float)
             common = irfft2(self.spectrum * np.conj(rfft2(mask, self.shape)), self.shape)
-            free = np.argwhere(common[: places[1], : places[0]] < 0.5)
+            free = np.argwhere(common[: shifts[1], : shifts[0]] < 0.5)
             if len(free):
                 corner = free[0, ::-1] * self.cell
                 self._take([shapely.transform(at_origin, lambda p, c=corner: p + c)])

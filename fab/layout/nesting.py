@@ -1,9 +1,9 @@
-"""Where does each piece lie, and on which sheet of the bed's size?
+"""Nesting: where each piece lies, and on which sheet of the bed's size.
 
-Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons, a batch at
-a time: what it takes goes with the square of all corners in it. What it answers is checked here;
-where it does not hold, boxes side by side, or one piece alone, do. What is left may lie in the gaps
-between (`fab.gaps`).
+Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons, in batches,
+since its cost grows with the square of all corners. Its answers are checked; where one is wrong,
+boxes side by side, or one piece alone, take its place. What is left may lie in the gaps between
+(`fab.layout.gap_filling`).
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-import u_nesting
 
 from fab.layout.gap_filling import Gaps
+from fab.progress import Steps, no_steps
 from solver.errors import InvalidValue, require_count, require_number, require_positive
 from solver.vectors import FloatArray, IntArray
 
@@ -23,19 +23,19 @@ __all__ = ["Placement", "Placements", "nest"]
 
 # Gaps and borders may fall short by the rounding of coordinates, in mm.
 _ROUNDING_MM = 1e-9
-# No-fit polygons of concave outlines cost the square of their corners.
+# Most corners of an envelope: no-fit polygons of concave outlines cost the square of their corners.
 _MOST_CORNERS = 20
-# A piece that fills so much of its convex hull is placed as its hull.
+# A piece that fills this share of its convex hull is placed as its hull.
 _NEARLY_CONVEX = 0.95
-# What is offered to a sheet at once, in areas of the sheet: more fills its gaps, and takes longer.
+# Area offered to a sheet at once, in areas of the sheet: more fills its gaps, and takes longer.
 _OFFERED = 1.1
-# Corners of a batch: it takes a second or two. More use the bed better, by the bench 3 % from 320
-# to 640.
+# Corners of a batch: it takes a second or two. More corners use the bed better, by 3 % from 320 to
+# 640 in the benchmark.
 _BATCH_CORNERS = 480
-# Up to so many pieces a batch is worth a search, of so many rounds.
+# A batch of up to this many pieces is worth a search, of this many rounds.
 _SEARCHED = 16
 _ITERATIONS = 10
-# About so many pieces are tried in the gaps of a sheet; each takes some 30 ms.
+# About this many pieces are tried in the gaps of a sheet; each takes some 30 ms.
 _TRIED = 100
 # Boxes turned by less, in degrees, are the same box.
 _SAME_TURN_DEG = 1e-4
@@ -43,12 +43,13 @@ _SAME_TURN_DEG = 1e-4
 
 @dataclass(frozen=True)
 class Placement:
-    """Where one copy of a piece lies: its point p at turn @ p + shift on the sheet, in mm.
+    """Where one copy of a piece lies: its point p at turn @ p + shift on the sheet.
 
     Attributes
     ----------
     piece, copy, sheet : counted from 0.
-    turn : rotation, shape (2, 2). shift : shape (2,). Read-only.
+    turn : rotation, shape (2, 2), read-only.
+    shift : shape (2,), mm, read-only.
     """
 
     piece: int
@@ -69,7 +70,8 @@ class Placements:
     Attributes
     ----------
     items : sorted by sheet, piece and copy.
-    used : share of the bed that pieces cover on each sheet, shape (number of sheets,), falling.
+    used : share of the bed that pieces cover on each sheet, shape (number of sheets,), falling,
+        read-only.
     """
 
     items: tuple[Placement, ...]
@@ -81,7 +83,7 @@ class Placements:
 
 @dataclass(frozen=True)
 class _Piece:
-    """A piece with the turns it may take, and the shape that stands for it.
+    """A piece with the turns it may take, and the shape that is placed in its stead.
 
     Attributes
     ----------
@@ -100,16 +102,11 @@ class _Piece:
 
 @dataclass(frozen=True)
 class _Spot:
-    """A piece, the matrix that turns it, and its shift."""
+    """A piece, the rotation matrix that turns it, and its shift in mm."""
 
     piece: int
     turn: FloatArray
     shift: FloatArray
-
-
-# What was placed of how many of each piece in a rectangle of which size, or between what: sheets
-# repeat.
-_Known = dict[tuple[bytes, bytes], list[_Spot]]
 
 
 def nest(
@@ -118,42 +115,47 @@ def nest(
     gap_mm: float,
     copies: int = 1,
     margin_mm: float = 0.0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Steps = no_steps,
 ) -> Placements:
     """Place `copies` of every piece on as few sheets as a greedy filling needs.
 
-    Pieces turn by multiples of 90 degrees from where their box is least, or from where they are if
-    they fit the bed only so. Each sheet takes the largest pieces left, batch by batch from its
-    lower left corner; the sheet used least is the last. Holes stay empty. The same pieces give the
-    same placements. The cost goes with the number of pieces, copies of full sheets are free.
+    Pieces turn by multiples of 90 degrees from the rotation in which their box is least, or from
+    that of their outline where they fit the bed in no other. Each sheet takes the largest pieces
+    left, batch by batch from its lower left corner; the sheet used least is the last. Holes stay
+    empty. The same pieces give the same placements. The cost grows with the number of pieces;
+    copies of full sheets are free.
 
     Parameters
     ----------
-    outlines : polygons as they are cut (kerf included), holes allowed; or corners, shape (m, 2).
-    gap_mm : least distance of two pieces. margin_mm : least distance from the bed's edges.
+    outlines : polygons as they are cut (kerf included), mm, holes allowed; or corners, shape
+        (m, 2).
+    bed_mm : width and height of the bed.
+    gap_mm : least distance of two pieces.
+    margin_mm : least distance of a piece from the bed's edges.
     progress : called after each batch with the number of pieces placed and of all.
 
-    Raises `InvalidValue` for an outline that crosses itself and for a piece that does not fit the
-    bed in any of its turns.
+    Raises `InvalidValue` for an outline that crosses itself or has no area, for a piece that does
+    not fit the bed in any of its turns, and for a gap, margin or number of copies out of bounds.
+
+    >>> placements = nest([shapely.box(0, 0, 60, 30)], (124.0, 64.0), gap_mm=2.0, copies=5)
+    >>> [(item.copy, item.sheet) for item in placements.items]
+    [(0, 0), (1, 0), (2, 0), (3, 0), (4, 1)]
+    >>> placements.used.round(3).tolist()
+    [0.907, 0.227]
     """
     room = _room(bed_mm, margin_mm)
     require_positive("gap_mm", gap_mm, "Pieces that touch would be cut along one line twice.")
     require_count("copies", copies, 1, "Cut at least one of each piece.")
     pieces = [_piece(number, outline, room) for number, outline in enumerate(outlines)]
-    area = np.array([piece.outline.area for piece in pieces])
-    order = np.argsort(-area, kind="stable")
+    filling = _Filling(pieces, room, gap_mm)
     left = np.full(len(pieces), copies)
     total = int(left.sum())
-
-    def tell() -> None:
-        if progress is not None:
-            progress(total - int(left.sum()), total)
-
-    known: _Known = {}
     filled: list[list[_Spot]] = []
     while left.any():
-        filled.append(_sheet(pieces, order, left, room, gap_mm, known, tell))
-    used = np.array([area[[spot.piece for spot in spots]].sum() for spots in filled])
+        spots = filling.sheet(left, lambda unplaced: progress(total - unplaced, total))
+        left = left - filling.counts(spots)
+        filled.append(spots)
+    used = np.array([filling.area[[spot.piece for spot in spots]].sum() for spots in filled])
     by_use = np.argsort(-used, kind="stable")
     items: list[Placement] = []
     seen = [0] * len(pieces)
@@ -166,7 +168,7 @@ def nest(
 
 
 def _room(bed_mm: tuple[float, float], margin_mm: float) -> FloatArray:
-    """Width and height between the margins."""
+    """Width and height between the margins, shape (2,)."""
     for side in bed_mm:
         require_positive("bed_mm", side)
     require_number("margin_mm", margin_mm)
@@ -220,7 +222,7 @@ def _rotation(angle_deg: float) -> FloatArray:
 
 
 def _box_turns_deg(polygon: shapely.Polygon) -> list[float]:
-    """The turn in (0, 90) degrees that lays the box of least area onto the axes, if any does."""
+    """The turn to the box of least area, in (0, 90) degrees; none where that is upright already."""
     corner = shapely.get_coordinates(shapely.oriented_envelope(polygon))
     side = corner[1] - corner[0]
     turn = float(-np.degrees(np.arctan2(side[1], side[0])) % 90.0)
@@ -237,61 +239,83 @@ def _envelope(polygon: shapely.Polygon) -> shapely.Polygon:
     while len(around.exterior.coords) > _MOST_CORNERS + 1:
         try:
             coarse = shape.simplify(tolerance).buffer(tolerance, join_style="mitre")
-        except shapely.GEOSException:  # needles send mitres beyond all numbers
+        except shapely.GEOSException:  # the mitres of needles overflow
             return hull
-        if not isinstance(coarse, shapely.Polygon):  # a thread of a piece, torn by rounding
+        if not isinstance(coarse, shapely.Polygon):  # a thin piece, torn by rounding
             return hull
         around = shapely.Polygon(coarse.exterior).simplify(0.0)
         tolerance *= 1.2
     return around if around.contains(filled) or around is shape else hull
 
 
-def _sheet(
-    pieces: list[_Piece],
-    order: IntArray,
-    left: IntArray,
-    room: FloatArray,
-    gap_mm: float,
-    known: _Known,
-    tell: Callable[[], None],
-) -> list[_Spot]:
-    """One sheet, what lies on it taken from those that are left.
+class _Filling:
+    """Filling of one sheet after another; what was found once is not searched for again.
 
-    Each batch lies in the larger of the two rectangles that the one before left free, beside it or
-    above. The first that is not placed whole is the last. Then come the gaps between all that lies.
+    Attributes
+    ----------
+    order : pieces, the largest first. area : of each piece, mm2.
+    found : what was placed, by how many of each piece were offered, and to which rectangle or
+        between which pieces: sheets repeat.
     """
-    spots: list[_Spot] = []
-    corner, free = np.zeros(2), room
-    while (offered := _offer(pieces, order, left, free)).any():
+
+    def __init__(self, pieces: list[_Piece], room: FloatArray, gap_mm: float) -> None:
+        self.pieces = pieces
+        self.room = room
+        self.gap_mm = gap_mm
+        self.area = np.array([piece.outline.area for piece in pieces])
+        self.order = np.argsort(-self.area, kind="stable")
+        self.found: dict[tuple[bytes, bytes], list[_Spot]] = {}
+
+    def sheet(self, left: IntArray, report: Callable[[int], None]) -> list[_Spot]:
+        """What lies on the next sheet, of those copies of each piece that are left.
+
+        Each batch lies in the larger of the two rectangles that the one before left free, beside it
+        or above. The first that is not placed whole is the last. Then the gaps are filled.
+
+        report : called after each batch with the number of copies that are then left.
+        """
+        spots: list[_Spot] = []
+        corner, free = np.zeros(2), self.room
+        while (offered := _offer(self.pieces, self.order, left, free)).any():
+            batch = self._batch(offered, free)
+            spots += [replace(spot, shift=spot.shift + corner) for spot in batch]
+            left = left - self.counts(batch)
+            report(int(left.sum()))
+            if len(batch) < offered.sum():
+                break
+            taken = shapely.total_bounds(np.array(_lying(self.pieces, batch)))[2:] + self.gap_mm
+            rest = np.maximum(free - taken, 0.0)
+            axis = int(rest[1] * free[0] > rest[0] * free[1])
+            corner, free = corner.copy(), free.copy()
+            corner[axis] += taken[axis]
+            free[axis] = rest[axis]
+        if left.any():
+            more = self._in_gaps(left, spots)
+            spots += more
+            if more:
+                report(int(left.sum()) - len(more))
+        return spots
+
+    def _batch(self, offered: IntArray, free: FloatArray) -> list[_Spot]:
         key = offered.tobytes(), free.tobytes()
-        if key not in known:
-            known[key] = _fill(pieces, offered, free, gap_mm)
-        batch = known[key]
-        spots += [replace(spot, shift=spot.shift + corner) for spot in batch]
-        left -= np.bincount([spot.piece for spot in batch], minlength=len(pieces))
-        tell()
-        if len(batch) < offered.sum():
-            break
-        taken = shapely.total_bounds(np.array(_lying(pieces, batch)))[2:] + gap_mm
-        rest = np.maximum(free - taken, 0.0)
-        axis = int(rest[1] * free[0] > rest[0] * free[1])
-        corner, free = corner.copy(), free.copy()
-        corner[axis] += taken[axis]
-        free[axis] = rest[axis]
-    if left.any():
-        area = np.array([piece.outline.area for piece in pieces])
-        free_area = room.prod() - area[[spot.piece for spot in spots]].sum()
-        offered = np.minimum(left, (free_area / area).astype(int))
+        if key not in self.found:
+            self.found[key] = _fill(self.pieces, offered, free, self.gap_mm)
+        return self.found[key]
+
+    def _in_gaps(self, left: IntArray, spots: list[_Spot]) -> list[_Spot]:
+        free_area = self.room.prod() - self.area[[spot.piece for spot in spots]].sum()
+        offered = np.minimum(left, (free_area / self.area).astype(int))
         lying = np.array([[spot.piece, *spot.turn.ravel(), *spot.shift] for spot in spots])
         key = offered.tobytes(), lying.tobytes()
-        if key not in known:
-            known[key] = _between(pieces, order, offered, room, gap_mm, spots)
-        more = known[key]
-        left -= np.bincount([spot.piece for spot in more], minlength=len(pieces))
-        spots += more
-        if more:
-            tell()
-    return spots
+        if key not in self.found:
+            self.found[key] = _between(
+                self.pieces, self.order, offered, self.room, self.gap_mm, spots
+            )
+        return self.found[key]
+
+    def counts(self, spots: list[_Spot]) -> IntArray:
+        """Number of copies of each piece."""
+        return np.bincount([spot.piece for spot in spots], minlength=len(self.pieces))
 
 
 def _between(
@@ -302,27 +326,28 @@ def _between(
     gap_mm: float,
     spots: list[_Spot],
 ) -> list[_Spot]:
-    """What lies in the gaps of a sheet of those pieces that are left, the largest first.
+    """Pieces placed in the gaps of a sheet, of those that are left, the largest first.
 
-    Where there are many of them, some of every size are tried.
+    Where many are left, a sample of all sizes is tried.
     """
     filled = [shapely.Polygon(shape.exterior) for shape in _lying(pieces, spots)]
     gaps = Gaps(filled, room, gap_mm)
     more = []
-    some = order[left[order] > 0]
-    for number in some[:: 1 + len(some) // _TRIED].tolist():
+    tried = order[left[order] > 0]
+    for number in tried[:: 1 + len(tried) // _TRIED].tolist():
         turns = pieces[number].turns
         turned = _lying(pieces, [_Spot(number, turn, np.zeros(2)) for turn in turns])
         for _ in range(left[number]):
-            place = gaps.place(turned)
-            if place is None:
+            found = gaps.place(turned)
+            if found is None:
                 break
-            more.append(_Spot(number, turns[place[0]], place[1]))
+            turn, shift = found
+            more.append(_Spot(number, turns[turn], shift))
     return more
 
 
 def _offer(pieces: list[_Piece], order: IntArray, left: IntArray, free: FloatArray) -> IntArray:
-    """How many of each piece to offer to a rectangle: the largest that are left and lie there."""
+    """How many of each piece to offer to a rectangle: the largest that are left and fit it."""
     open_area, open_corners = _OFFERED * float(free.prod()), _BATCH_CORNERS
     offered = np.zeros_like(left)
     for number in order[left[order] > 0].tolist():
@@ -342,7 +367,7 @@ def _offer(pieces: list[_Piece], order: IntArray, left: IntArray, free: FloatArr
 
 
 def _turn_that_fits(piece: _Piece, free: FloatArray) -> int | None:
-    """The first turn in which a piece's box lies in a rectangle."""
+    """The first turn in which a piece's box fits a rectangle."""
     low_x, low_y, high_x, high_y = piece.box.bounds
     size = np.array([high_x - low_x, high_y - low_y])
     for turn, box in enumerate((size, size[::-1])):
@@ -352,10 +377,10 @@ def _turn_that_fits(piece: _Piece, free: FloatArray) -> int | None:
 
 
 def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: float) -> list[_Spot]:
-    """One batch: the answer that covers most of those that hold, the largest piece alone at least.
+    """One batch: the valid answer that covers most, at least the largest piece alone.
 
-    Outlines side by side ("nfp"), boxes side by side ("blf"), and, where not all lie there yet and
-    they are few, a search over orders and turns of the outlines ("alns").
+    Outlines side by side ("nfp"), boxes side by side ("blf"), and, where not all are placed by
+    these and they are few, a search over orders and turns of the outlines ("alns").
     """
 
     def covered(spots: list[_Spot]) -> float:
@@ -397,6 +422,8 @@ def _solve(
 
     wanted : piece, its shape and the angles that it may take, in degrees.
     """
+    import u_nesting
+
     settings = {"strategy": strategy, "spacing": float(gap_mm), "time_limit_ms": 0}
     if strategy == "alns":
         settings |= {"seed": 1, "max_iterations": _ITERATIONS}
@@ -414,22 +441,21 @@ def _solve(
         settings,
     )
     angles = {number: turns_deg for number, _, turns_deg in wanted}
-    return [
-        (
-            number,
-            _nearest_turn(np.degrees(at["rotation"][0]), angles[number]),
-            np.array(at["position"]),
-        )
-        for at in result["placements"]
-        for number in [int(at["geometry_id"])]
-    ]
+    found = []
+    for placed in result["placements"]:
+        number = int(placed["geometry_id"])
+        turn = _nearest_turn(np.degrees(placed["rotation"][0]), angles[number])
+        found.append((number, turn, np.array(placed["position"])))
+    return found
 
 
 def _nearest_turn(angle_deg: float, turns_deg: FloatArray) -> int:
+    """The turn nearest to an angle, which comes back in single precision."""
     return int(np.argmin(np.abs((turns_deg - angle_deg + 180.0) % 360.0 - 180.0)))
 
 
 def _lying(pieces: list[_Piece], spots: list[_Spot]) -> list[shapely.Polygon]:
+    """The outlines of pieces where they lie."""
     return [
         shapely.transform(
             pieces[spot.piece].outline, lambda p, spot=spot: p @ spot.turn.T + spot.shift
@@ -439,7 +465,7 @@ def _lying(pieces: list[_Piece], spots: list[_Spot]) -> list[shapely.Polygon]:
 
 
 def _holds(pieces: list[_Piece], spots: list[_Spot], room: FloatArray, gap_mm: float) -> bool:
-    """Whether all gaps are kept and everything fits into the room, wherever in it it lies."""
+    """Whether all gaps are kept and everything together fits the room, wherever it lies."""
     lying = _lying(pieces, spots)
     bounds = shapely.total_bounds(np.array(lying))
     if (bounds[2:] - bounds[:2] > room + _ROUNDING_MM).any():
@@ -451,6 +477,6 @@ def _holds(pieces: list[_Piece], spots: list[_Spot], room: FloatArray, gap_mm: f
 
 
 def _to_corner(pieces: list[_Piece], spots: list[_Spot]) -> list[_Spot]:
-    """All moved together so that they touch the lower and the left border of the room."""
+    """All moved together until they touch the lower and the left border of the room."""
     low = shapely.total_bounds(np.array(_lying(pieces, spots)))[:2]
     return [_Spot(spot.piece, spot.turn, spot.shift - low) for spot in spots]

@@ -8,14 +8,16 @@ import pytest
 from flat_patterns import grid
 from helpers import PATTERNS
 
+from fab.folding import bar_hinge_model
 from fab.folding.bar_hinge_model import framework, hinge_angles, wrapped
 from fab.folding.fold_settings import FoldSettings
+from fab.folding.folding_files import simulate
 from fab.folding.folding_path import closing_path, hinges_around
 from fab.folding.quasi_static import fold, largest_turns, path_at
 from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import findings_of, judge
 from fab.formats.fold_reader import read_pattern
-from fab.pattern.kinematics import vertices_closure_rad
+from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad
 
 STEP = np.radians(20.0)
 
@@ -156,6 +158,38 @@ def test_shares_of_a_path_are_even_over_the_largest_turn():
         assert np.degrees(found[1]) == pytest.approx(rate)
     straight = np.array([[0.0, 0.0, 0.0], [0.1, -3.1, 0.7]])
     assert all((path_at(straight, n / 7)[0] == n / 7 * straight[1]).all() for n in range(1, 8))
+
+
+def test_the_kinematics_of_a_sheet_are_computed_once(monkeypatch):
+    """Also for one that is folded twice, judged twice, and written with its folded form."""
+    calls = []
+
+    def counted(pattern):
+        calls.append(pattern)
+        return fold_by_angles(pattern)
+
+    monkeypatch.setattr(bar_hinge_model, "fold_by_angles", counted)
+    made = simulate(read_pattern(PATTERNS / "crane.fold")[0], "crane", formats=["fold"])
+    assert made.report["verdict"]["in_turn"]
+    assert len(calls) == 1
+
+
+def test_findings_agree_in_number():
+    pattern, _ = read_pattern(PATTERNS / "resch.fold")
+    _, verdict, findings = fold_and_judge(pattern, FoldSettings(steps=1))
+    assert f"{verdict.free} creases turn freely" in findings[0].text
+    single = replace(verdict, wrong_creases=(4,), off_creases=(4,), free=1)
+    (finding,) = [f for f in findings_of(single) if f.code == "target-not-reached"]
+    assert "1 crease on the wrong side, 1 off by" in finding.text
+    assert "1 crease turns freely" in finding.text
+    for vertices, text in (
+        ((7,), "around vertex 7: by up to"),
+        ((7, 2), "around 2 vertices (7, 2): by up to"),
+        ((7, 2, 3, 4, 5, 6), "around 6 vertices (first 7, 2, 3, 4, 5): by up to"),
+    ):
+        found = findings_of(replace(verdict, open_vertices=vertices))
+        (finding,) = [f for f in found if f.code == "angles-do-not-close"]
+        assert text in finding.text
 
 
 def test_only_sheets_that_get_stuck_are_folded_again():

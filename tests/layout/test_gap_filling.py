@@ -39,9 +39,9 @@ def test_what_is_placed_lies_apart_and_inside(seed, gap):
             turn, shift = found
             lying.append(shapely.affinity.translate(turned(shape)[turn], *shift))
     assert len(lying) > 1 or gap > 5
-    for i, one in enumerate(lying):
-        assert shapely.box(-1e-9, -1e-9, *(ROOM + 1e-9)).covers(one)
-        assert all(one.distance(other) >= gap for other in lying[:i])
+    for i, shape in enumerate(lying):
+        assert shapely.box(-1e-9, -1e-9, *(ROOM + 1e-9)).covers(shape)
+        assert all(shape.distance(other) >= gap for other in lying[:i])
 
 
 @pytest.mark.parametrize(("spare", "fits"), [(4 * CELL, True), (-0.01, False)])

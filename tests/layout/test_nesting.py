@@ -45,9 +45,9 @@ def check(outlines, placements, bed, gap, copies, margin):
     room = shapely.box(margin, margin, bed[0] - margin, bed[1] - margin).buffer(1e-8)
     for shapes in on_sheets:
         assert shapes
-        for i, one in enumerate(shapes):
-            assert room.contains(one)
-            assert all(one.distance(other) >= gap - 1e-8 for other in shapes[i + 1 :])
+        for i, shape in enumerate(shapes):
+            assert room.contains(shape)
+            assert all(shape.distance(other) >= gap - 1e-8 for other in shapes[i + 1 :])
         low = shapely.total_bounds(np.array(shapes))[:2]
         np.testing.assert_allclose(low, margin, atol=1e-9)
     used = [sum(shape.area for shape in shapes) / (bed[0] * bed[1]) for shapes in on_sheets]
@@ -117,7 +117,7 @@ def test_a_piece_turns_where_it_fits_only_so():
     placements = nest([upright], (200.0, 40.0), 1.0, margin_mm=5.0)
     check([upright], placements, (200.0, 40.0), 1.0, 1, 5.0)
     assert np.abs(placements.items[0].turn).tolist() == [[0, 1], [1, 0]]
-    # a slanted strip fits only along the axes, a diagonal one only as it lies
+    # a slanted strip fits only along the axes, a diagonal one only without a turn
     slanted = shapely.affinity.rotate(upright, 37.0)
     check([slanted], nest([slanted], (191.0, 31.0), 1.0), (191.0, 31.0), 1.0, 1, 0.0)
     strip = shapely.affinity.rotate(shapely.box(0, 0, 4, 190), 45.0)
@@ -170,9 +170,9 @@ def test_batches_lie_apart_and_inside(seed, gap, margin, corners):
 def test_copies_of_full_sheets_cost_nothing(monkeypatch):
     right, calls = nesting._fill, []
 
-    def counted(*given_):
-        calls.append(given_)
-        return right(*given_)
+    def counted(*arguments):
+        calls.append(arguments)
+        return right(*arguments)
 
     monkeypatch.setattr(nesting, "_fill", counted)
     placements = nest([ANGLE], BED, 2.0, 300)
@@ -189,18 +189,18 @@ def test_holes_stay_empty():
 
 
 def test_the_same_pieces_give_the_same_bytes():
-    one, two = (nest(stars(12, 4), BED, 2.0, 2, 5.0) for _ in range(2))
-    assert [(a.piece, a.copy, a.sheet) for a in one.items] == [
-        (b.piece, b.copy, b.sheet) for b in two.items
+    first, second = (nest(stars(12, 4), BED, 2.0, 2, 5.0) for _ in range(2))
+    assert [(a.piece, a.copy, a.sheet) for a in first.items] == [
+        (b.piece, b.copy, b.sheet) for b in second.items
     ]
     assert all(
         a.turn.tobytes() == b.turn.tobytes() and a.shift.tobytes() == b.shift.tobytes()
-        for a, b in zip(one.items, two.items, strict=True)
+        for a, b in zip(first.items, second.items, strict=True)
     )
 
 
 @pytest.mark.parametrize("answer", ["none", "overlapping", "outside"])
-def test_wrong_answers_of_the_library_are_not_believed(monkeypatch, answer):
+def test_wrong_answers_of_the_library_are_discarded(monkeypatch, answer):
     """Boxes take their place; where boxes are wrong as well, one piece alone."""
     right, calls = nesting._solve, []
 
@@ -225,7 +225,7 @@ def test_wrong_answers_of_the_library_are_not_believed(monkeypatch, answer):
 
 
 @pytest.mark.parametrize(
-    ("outlines", "changes", "says"),
+    ("outlines", "changes", "message"),
     [
         ([ANGLE, shapely.box(0, 0, 310, 10)], {}, r"size of piece 1 = 310 x 10 mm .* 300 x 200 mm"),
         ([shapely.box(0, 0, 300, 10)], {"margin_mm": 0.01}, "larger bed"),
@@ -240,8 +240,8 @@ def test_wrong_answers_of_the_library_are_not_believed(monkeypatch, answer):
         ([ANGLE], {"bed_mm": (300.0, 0.0)}, "bed_mm = 0.0"),
     ],
 )
-def test_refused(outlines, changes, says):
-    with pytest.raises(InvalidValue, match=says):
+def test_bad_input_is_refused(outlines, changes, message):
+    with pytest.raises(InvalidValue, match=message):
         nest(outlines, **({"bed_mm": BED, "gap_mm": 1.0} | changes))
 
 
