@@ -8,31 +8,19 @@ Runs are as long as they may be, so that few are needed, and then balanced.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from heapq import heapify, heappop, heappush
 
 import numpy as np
-import shapely
-from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from fab.geometry.rings import ring_areas
-from fab.pattern.crease_pattern import CreasePattern
-from fab.pattern.overlap import overlapping_faces
+from fab.layout.face_sets import SLACK_REL, FaceSets, Sheet, extent, upright
 from fab.progress import Steps, no_steps
 from solver.errors import InvalidValue
-from solver.graphs import labels
-from solver.vectors import BoolArray, FloatArray, IntArray
+from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Sheet", "extent", "outer_corners", "partition", "upright"]
+__all__ = ["partition"]
 
-# Rounding must not refuse a piece that is exactly as large as the bed.
-_SLACK_REL = 1e-9
-# Directions tried for a box besides those of the hull's sides, one of which has the least area.
-_TURNS = np.arange(180) * (np.pi / 180)
-# About this many sides of the hull are tried.
-_MOST_SIDES = 400
 # Runs may be larger than equal shares by these amounts, where that saves a piece.
 _UNEVEN = (0.0, 0.03, 0.1, 0.25)
 # Neighbours are cut anew where the smaller has less than the first share of the larger's area, if
@@ -42,203 +30,6 @@ _GAIN = 0.95
 _ROUNDS = 4
 # Number of faces tried as the first run.
 _FIRST_RUN = 64
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """A sheet to be divided, and the bounds of its pieces.
-
-    Attributes
-    ----------
-    pattern : the whole pattern.
-    joined : which edges join their two faces, shape (ne,).
-    reach : the outer corners of the widest tab at each edge, on the second face's side and on the
-        first face's: shape (ne, 2, 2, 2): edge, side that carries the tab, end, coordinate.
-    glued : boundary edges that are to get a tab, shape (ne,).
-    room_mm : width and height of the rectangle that a piece must fit with its tabs.
-    room_text : what that rectangle is, for messages.
-    reach_text : what `reach` is of, and the setting that bounds it, for messages.
-    """
-
-    pattern: CreasePattern
-    joined: BoolArray
-    reach: FloatArray
-    glued: BoolArray
-    room_mm: tuple[float, float]
-    room_text: str = "the room of a piece"
-    reach_text: tuple[str, str] = ("tabs", "tab_mm")
-
-    @cached_property
-    def sides(self) -> _Ragged:
-        """The sides of each face: 2 * edge on the edge's first face, 2 * edge + 1 on its second."""
-        face = self.pattern.edges_faces.ravel()
-        side = np.flatnonzero(face >= 0)
-        return _Ragged.of(face[side], side, self.pattern.face_count)
-
-
-@dataclass(frozen=True)
-class _Ragged:
-    """A ragged array: row i is values[starts[i]:starts[i + 1]]."""
-
-    values: IntArray
-    starts: IntArray
-
-    @classmethod
-    def of(cls, rows: IntArray, values: IntArray, count: int) -> _Ragged:
-        """An array of `count` rows; rows : that of each value. Values of a row keep their order."""
-        order = np.argsort(rows, kind="stable")
-        return cls(values[order], np.searchsorted(rows[order], np.arange(count + 1)))
-
-    def at(self, rows: IntArray) -> tuple[IntArray, IntArray]:
-        """The values of some rows one after another, and the place of each one's row in `rows`."""
-        sizes = self.starts[rows + 1] - self.starts[rows]
-        place = np.repeat(np.arange(len(rows)), sizes)
-        before = np.cumsum(sizes) - sizes
-        return self.values[(self.starts[rows] - before)[place] + np.arange(len(place))], place
-
-
-class _Faces:
-    """Faces of a sheet, with their areas, boxes and neighbours, and the pairs that overlap."""
-
-    def __init__(self, sheet: Sheet) -> None:
-        pattern = sheet.pattern
-        self.sheet = sheet
-        self.count = pattern.face_count
-        corners = pattern.vertices_coords[pattern.faces_vertices]
-        starts = pattern.faces_offsets[:-1]
-        self.areas = ring_areas(corners, pattern.faces_offsets)
-        self.low = np.minimum.reduceat(corners, starts)
-        self.high = np.maximum.reduceat(corners, starts)
-        ends = pattern.vertices_coords[pattern.edges_vertices]
-        self.tab = float(np.hypot(*(sheet.reach - ends[:, None]).reshape(-1, 2).T).max())
-        self.centres = np.add.reduceat(corners, starts) / np.diff(pattern.faces_offsets)[:, None]
-        first, second = pattern.edges_faces[sheet.joined].T
-        length = np.hypot(*(self.centres[first] - self.centres[second]).T)
-        length = np.maximum(length, 1e-12 * max(sheet.room_mm))
-        pairs = (np.concatenate([first, second]), np.concatenate([second, first]))
-        shape = (self.count, self.count)
-        self.graph = csr_array((np.concatenate([length, length]), pairs), shape=shape)
-        self.neighbours = _Ragged(self.graph.indices, self.graph.indptr)
-        self.overlaps = overlapping_faces(
-            pattern.vertices_coords, pattern.faces_vertices, pattern.faces_offsets, pattern.edges
-        )
-        self.overlapping = _Ragged.of(self.overlaps[:, 0], self.overlaps[:, 1], self.count)
-
-    def components(self, faces: IntArray) -> list[IntArray]:
-        """Connected parts of a set of faces; the faces of each part rise."""
-        return np.split(*self._parts(faces))
-
-    def _parts(self, faces: IntArray) -> tuple[IntArray, IntArray]:
-        """Connected parts of a set one after another, and where all but the first begin."""
-        faces = np.sort(faces)
-        beside, row = self.neighbours.at(faces)
-        column = _place(faces, beside)
-        pairs = np.column_stack([row, column])[column >= 0]
-        part = labels(pairs, len(faces))
-        order = np.argsort(part, kind="stable")
-        return faces[order], np.searchsorted(part[order], np.arange(1, part.max(initial=0) + 1))
-
-    def overlap(self, faces: IntArray) -> bool:
-        """Whether two faces of the set overlap."""
-        if not len(self.overlaps):
-            return False
-        faces = np.sort(faces)
-        return bool((_place(faces, self.overlapping.at(faces)[0]) >= 0).any())
-
-    def valid(self, faces: IntArray) -> bool:
-        """Whether a connected set fits the bed and does not overlap itself."""
-        return not self.overlap(faces) and self.fits(faces)
-
-    def fits(self, faces: IntArray) -> bool:
-        """Whether a set fits the bed, tabs and all."""
-        low, high = self.low[faces].min(axis=0), self.high[faces].max(axis=0)
-        if self.small(low, high):
-            return True
-        room = self.sheet.room_mm
-        if (high - low).max() > np.hypot(*room) * (1 + _SLACK_REL):
-            return False
-        return upright(extent(self.sheet, faces), room)[1]
-
-    def small(self, low: FloatArray, high: FloatArray) -> BoolArray:
-        """Whether what lies in boxes, corners of shape (..., 2), fits with tabs in any rotation."""
-        span = high - low + 2 * self.tab
-        out: BoolArray = np.hypot(span[..., 0], span[..., 1]) <= min(self.sheet.room_mm)
-        return out
-
-    def valid_parts(self, faces: IntArray) -> bool:
-        """Whether each part of the set is valid."""
-        if self.valid(faces):  # then every part is valid too
-            return True
-        ordered, ends = self._parts(faces)
-        starts = np.concatenate([[0], ends])
-        small = self.small(
-            np.minimum.reduceat(self.low[ordered], starts),
-            np.maximum.reduceat(self.high[ordered], starts),
-        )
-        parts = np.split(ordered, ends)
-        if len(self.overlaps) and any(map(self.overlap, parts)):
-            return False
-        return all(self.fits(parts[number]) for number in np.flatnonzero(~small).tolist())
-
-    def pinched(self, faces: IntArray) -> IntArray:
-        """Vertices in which the set's outline touches itself."""
-        edges, side = _outline(self.sheet, faces)
-        starts = self.sheet.pattern.edges_vertices[edges, side]
-        vertices, times = np.unique(starts, return_counts=True)
-        out: IntArray = vertices[times > 1]
-        return out
-
-
-def _place(rising: IntArray, numbers: IntArray) -> IntArray:
-    """The places of numbers in a rising array, -1 for those that are not in it."""
-    if not len(rising):
-        return np.full(len(numbers), -1)
-    place = np.minimum(np.searchsorted(rising, numbers), len(rising) - 1)
-    return np.where(rising[place] == numbers, place, -1)
-
-
-def _outline(sheet: Sheet, faces: IntArray) -> tuple[IntArray, IntArray]:
-    """Edges with the set on one side only, and the side: 0 for that of the first face."""
-    faces = np.sort(faces)
-    sides = sheet.sides.at(faces)[0]
-    outer = sides[_place(faces, sheet.pattern.edges_faces.ravel()[sides ^ 1]) < 0]
-    return outer // 2, outer % 2
-
-
-def extent(sheet: Sheet, faces: IntArray) -> FloatArray:
-    """Points whose hull contains a set of faces with tabs on all its seams, mm, shape (n, 2)."""
-    edges, side = _outline(sheet, faces)
-    seam = sheet.joined[edges] | sheet.glued[edges]
-    ends = sheet.pattern.vertices_coords[sheet.pattern.edges_vertices[edges]]
-    return np.concatenate([ends, sheet.reach[edges[seam], side[seam]]]).reshape(-1, 2)
-
-
-def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArray, bool]:
-    """The rotation (2, 2) to the smallest bounding box that fits a room, and whether any fits.
-
-    Where none fits, the rotation to the smallest bounding box of all. Smallest in area.
-
-    coords : shape (n, 2), mm. room_mm : width and height.
-
-    >>> bar = np.array([[0.0, 0.0], [0.0, 30.0], [10.0, 30.0], [10.0, 0.0]])
-    >>> turn, fits = upright(bar, (40.0, 20.0))
-    >>> fits, np.ptp(bar @ turn.T, axis=0).round(9).tolist()
-    (True, [30.0, 10.0])
-    """
-    hull = shapely.convex_hull(shapely.linestrings(coords))
-    ring = shapely.get_coordinates(hull)
-    side = np.diff(ring, axis=0)[:: 1 + len(ring) // _MOST_SIDES]
-    turns = np.concatenate([np.arctan2(side[:, 1], side[:, 0]), _TURNS])
-    c, s = np.cos(turns), np.sin(turns)
-    spans = [np.ptp(ring @ np.stack(axis), axis=0) for axis in ((c, s), (-s, c))]
-    # a quarter turn further width is height
-    c, s = np.concatenate([c, -s]), np.concatenate([s, c])
-    width, height = np.concatenate(spans), np.concatenate(spans[::-1])
-    fits = (width <= room_mm[0] * (1 + _SLACK_REL)) & (height <= room_mm[1] * (1 + _SLACK_REL))
-    area = np.where(fits | ~fits.any(), width * height, np.inf)
-    # rounding must not decide between equal boxes
-    best = np.flatnonzero(area <= area.min() * (1 + 1e-9))[0]
-    return np.array([[c[best], s[best]], [-s[best], c[best]]]), bool(fits.any())
 
 
 def partition(sheet: Sheet, progress: Steps = no_steps) -> list[IntArray]:
@@ -252,7 +43,7 @@ def partition(sheet: Sheet, progress: Steps = no_steps) -> list[IntArray]:
     Raises `InvalidValue` for a face without area, one that overlaps itself, and one that does not
     fit the room.
     """
-    faces = _Faces(sheet)
+    faces = FaceSets(sheet)
     if not (faces.areas > 0).all():
         face = int(np.argmin(faces.areas > 0))
         raise InvalidValue(
@@ -279,7 +70,7 @@ def partition(sheet: Sheet, progress: Steps = no_steps) -> list[IntArray]:
     return sorted(pieces, key=lambda piece: int(piece[0]))
 
 
-def _require_room(faces: _Faces, part: IntArray) -> None:
+def _require_room(faces: FaceSets, part: IntArray) -> None:
     """Raise `InvalidValue` for the first face that cannot be a piece of its own."""
     width, height = faces.sheet.room_mm
     reach, key = faces.sheet.reach_text
@@ -306,7 +97,7 @@ def _require_room(faces: _Faces, part: IntArray) -> None:
 
 
 def _divided(
-    faces: _Faces, part: IntArray, report: Callable[[float], None] = lambda _: None
+    faces: FaceSets, part: IntArray, report: Callable[[float], None] = lambda _: None
 ) -> list[IntArray]:
     """The best of several divisions of a connected set into valid ones.
 
@@ -329,13 +120,13 @@ def _divided(
     return best
 
 
-def _divisions(faces: _Faces, part: IntArray) -> list[Callable[[], list[IntArray]]]:
+def _divisions(faces: FaceSets, part: IntArray) -> list[Callable[[], list[IntArray]]]:
     """Divisions to try: columns across the sheet, each cut into rows; or runs from its far end."""
     turn, _ = upright(extent(faces.sheet, part), faces.sheet.room_mm)
 
     def in_columns(axis: FloatArray, along: FloatArray, width: float) -> list[IntArray]:
         def narrow(run: IntArray) -> bool:
-            return bool(np.ptp(extent(faces.sheet, run) @ axis) <= width * (1 + _SLACK_REL))
+            return bool(np.ptp(extent(faces.sheet, run) @ axis) <= width * (1 + SLACK_REL))
 
         columns = _runs(faces, part, faces.centres[part] @ axis, narrow, np.inf)
         return [
@@ -356,7 +147,7 @@ def _divisions(faces: _Faces, part: IntArray) -> list[Callable[[], list[IntArray
     ]
 
 
-def _valid_runs(faces: _Faces, part: IntArray, field: FloatArray) -> list[IntArray]:
+def _valid_runs(faces: FaceSets, part: IntArray, field: FloatArray) -> list[IntArray]:
     """Connected parts of the runs of a field, each valid."""
     if faces.valid(part):
         return [part]
@@ -365,7 +156,7 @@ def _valid_runs(faces: _Faces, part: IntArray, field: FloatArray) -> list[IntArr
     return [piece for run in runs for piece in faces.components(run)]
 
 
-def _distances(faces: _Faces, part: IntArray) -> FloatArray:
+def _distances(faces: FaceSets, part: IntArray) -> FloatArray:
     """Distance of each face, from centre to centre, from the face at the far end of the part."""
     graph = faces.graph[part][:, part]
     first = dijkstra(graph, directed=False, indices=0)
@@ -374,7 +165,7 @@ def _distances(faces: _Faces, part: IntArray) -> FloatArray:
 
 
 def _runs(
-    faces: _Faces,
+    faces: FaceSets,
     part: IntArray,
     field: FloatArray,
     fits: Callable[[IntArray], bool],
@@ -390,7 +181,7 @@ def _runs(
         runs: list[IntArray] = []
         begin = 0
         while begin < len(ordered):
-            end = int(np.searchsorted(area, area[begin] + most * (1 + _SLACK_REL), "right")) - 1
+            end = int(np.searchsorted(area, area[begin] + most * (1 + SLACK_REL), "right")) - 1
             end = min(max(end, begin + 1), len(ordered))
             guess = 2 * len(runs[-1]) if runs else _FIRST_RUN
             end = begin + _longest(ordered[begin:end], guess, fits)
@@ -426,7 +217,7 @@ def _longest(run: IntArray, guess: int, fits: Callable[[IntArray], bool]) -> int
     return low
 
 
-def _merged(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
+def _merged(faces: FaceSets, pieces: list[IntArray]) -> list[IntArray]:
     """Neighbours joined, smallest first, as long as any two are valid together."""
     parts = dict(enumerate(pieces))
     owner = _owners(faces, pieces)
@@ -436,7 +227,7 @@ def _merged(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
         beside[second].add(first)
     size = {number: float(faces.areas[piece].sum()) for number, piece in parts.items()}
     box = {n: (faces.low[p].min(axis=0), faces.high[p].max(axis=0)) for n, p in parts.items()}
-    most = faces.sheet.room_mm[0] * faces.sheet.room_mm[1] * (1 + _SLACK_REL)
+    most = faces.sheet.room_mm[0] * faces.sheet.room_mm[1] * (1 + SLACK_REL)
     pairs = [(size[i] + size[k], i, k) for i in parts for k in beside[i] if i < k]
     heapify(pairs)
     fresh = len(parts)
@@ -461,7 +252,7 @@ def _merged(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     return [np.sort(piece) for piece in parts.values()]
 
 
-def _owners(faces: _Faces, pieces: list[IntArray]) -> IntArray:
+def _owners(faces: FaceSets, pieces: list[IntArray]) -> IntArray:
     """The piece of each face, -1 where there is none, shape (nf + 1,): the last is for face -1."""
     owner = np.full(faces.count + 1, -1)
     for number, piece in enumerate(pieces):
@@ -469,7 +260,7 @@ def _owners(faces: _Faces, pieces: list[IntArray]) -> IntArray:
     return owner
 
 
-def _beside(faces: _Faces, owner: IntArray) -> IntArray:
+def _beside(faces: FaceSets, owner: IntArray) -> IntArray:
     """Pairs of different pieces that are joined over an edge, the smaller number first, (n, 2)."""
     pattern = faces.sheet.pattern
     pairs = np.sort(owner[pattern.edges_faces[faces.sheet.joined]], axis=1)
@@ -478,7 +269,7 @@ def _beside(faces: _Faces, owner: IntArray) -> IntArray:
     return out
 
 
-def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
+def _unpinched(faces: FaceSets, pieces: list[IntArray]) -> list[IntArray]:
     """Pieces whose outlines do not touch themselves in a vertex.
 
     Where one does, the smallest group of faces around that vertex goes to a neighbour that can take
@@ -495,7 +286,7 @@ def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
         pinched = faces.pinched(piece)
         number = len(done)
         if len(pinched):
-            around = piece[_have_vertex(faces, piece, int(pinched[0]))]
+            around = piece[faces.have_vertex(piece, int(pinched[0]))]
             fans = faces.components(around)
             fan = min(fans, key=lambda f: (float(faces.areas[f].sum()), int(f[0])))
             queue += faces.components(np.setdiff1d(piece, fan))
@@ -511,15 +302,7 @@ def _unpinched(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     return done
 
 
-def _have_vertex(faces: _Faces, piece: IntArray, vertex: int) -> BoolArray:
-    """Which faces of a piece have a vertex."""
-    pattern = faces.sheet.pattern
-    corners, place = _Ragged(pattern.faces_vertices, pattern.faces_offsets).at(piece)
-    out: BoolArray = np.bincount(place[corners == vertex], minlength=len(piece)) > 0
-    return out
-
-
-def _evened(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
+def _evened(faces: FaceSets, pieces: list[IntArray]) -> list[IntArray]:
     """As many pieces of more equal areas: neighbours that differ are cut anew."""
     pieces = list(pieces)
     for _ in range(_ROUNDS):
@@ -540,7 +323,7 @@ def _evened(faces: _Faces, pieces: list[IntArray]) -> list[IntArray]:
     return pieces
 
 
-def _halves(faces: _Faces, first: IntArray, second: IntArray) -> list[IntArray]:
+def _halves(faces: FaceSets, first: IntArray, second: IntArray) -> list[IntArray]:
     """Two neighbours cut anew across the line between their centres; none if it does not help."""
     both = np.sort(np.concatenate([first, second]))
     weight = faces.areas[:, None]
@@ -561,22 +344,3 @@ def _halves(faces: _Faces, first: IntArray, second: IntArray) -> list[IntArray]:
         ):
             return halves
     return []
-
-
-def outer_corners(ends: FloatArray, height: FloatArray, mitre: FloatArray) -> FloatArray:
-    """The outer corners of tabs to the right of edges, at their first and second ends, (n, 2, 2).
-
-    ends : shape (n, 2, 2), of the edges. height : shape (n,). mitre : shape (n, 2), radians, angles
-    of the tab at both ends.
-
-    >>> edge = np.array([[[0.0, 0.0], [10.0, 0.0]]])
-    >>> outer_corners(edge, np.array([2.0]), np.radians([[90.0, 45.0]])).round(9).tolist()
-    [[[0.0, -2.0], [8.0, -2.0]]]
-    """
-    span = ends[:, 1] - ends[:, 0]
-    u = span / np.hypot(span[:, 0], span[:, 1])[:, None]
-    out = np.column_stack([u[:, 1], -u[:, 0]]) * height[:, None]
-    inset = height[:, None] / np.tan(mitre)
-    return np.stack(
-        [ends[:, 0] + out + inset[:, :1] * u, ends[:, 1] + out - inset[:, 1:] * u], axis=1
-    )

@@ -18,8 +18,9 @@ from fab.errors import Finding
 from fab.geometry.bodies import Bodies, TriangleMesh
 from fab.geometry.booleans import joined_mesh
 from fab.layout.assembly_order import assembly_order, piece_name
+from fab.layout.face_sets import Sheet, extent, outer_corners, upright
 from fab.layout.nesting import Placements, nest
-from fab.layout.partition import Sheet, extent, outer_corners, partition, upright
+from fab.layout.partition import partition
 from fab.panels.thick_sheet import ThickSheet
 from fab.printing.dovetails import Joint, depths_mm, jointed, make_joints
 from fab.printing.plate_settings import PlateSettings

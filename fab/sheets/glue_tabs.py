@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from fab.geometry.rings import next_corner
-from fab.layout.partition import outer_corners
+from fab.layout.face_sets import outer_corners
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Banks", "corner_angles", "placed_tabs"]

@@ -14,7 +14,8 @@ from pydantic import Field
 
 from fab.errors import Finding, Severity
 from fab.layout.assembly_order import assembly_order, piece_name
-from fab.layout.partition import Sheet, extent, outer_corners, partition, upright
+from fab.layout.face_sets import Sheet, extent, outer_corners, upright
+from fab.layout.partition import partition
 from fab.pattern.closing_edges import closing_edges
 from fab.pattern.crease_pattern import CreasePattern, face_normals
 from fab.settings import Settings

@@ -14,8 +14,6 @@ from scipy.spatial import Delaunay
 
 from fab.geometry.rings import ring_areas
 from fab.jobs.job import load_job
-from fab.layout import partition
-from fab.layout.partition import Sheet, extent
 from fab.pattern.crease_pattern import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.pattern.development import develop
 from fab.pattern.overlap import overlapping_faces
@@ -461,73 +459,6 @@ def test_triangles_between_random_points(seed, width, tab_mm):
     given_ = SheetSplit(tab_mm=tab_mm)
     made, _ = split(pattern, given_, (width, 260.0))
     check(pattern, made, given_, (width, 260))
-
-
-def test_runs_and_neighbours_are_evened():
-    """Of a strip of 10 squares a bed takes at most 6: 5 and 5, not 6 and 4."""
-    strip = grid(10, 1, 10.0)
-    made, _ = split(strip, SheetSplit(margin_mm=0, tabs=False), (60.0, 12.0))
-    assert [len(piece.faces) for piece in made.pieces] == [5, 5]
-    for width, expected in ((60.0, [[0, 1, 2, 3, 4], [5, 6, 7, 8, 9]]), (40.0, [])):
-        uneven = [np.arange(2), np.arange(2, 10)]
-        evened = partition._evened(faces_of(strip, (width, 12.0)), uneven)
-        assert [piece.tolist() for piece in evened] == (expected or [s.tolist() for s in uneven])
-
-
-def faces_of(pattern: CreasePattern, room_mm: tuple[float, float]) -> partition._Faces:
-    """Faces of a sheet whose pieces get no tabs."""
-    ends = pattern.vertices_coords[pattern.edges_vertices]
-    inner = pattern.edges_faces[:, 1] >= 0
-    reach = np.stack([ends, ends], axis=1)
-    return partition._Faces(Sheet(pattern, inner, reach, ~inner & False, room_mm))
-
-
-def test_single_faces_are_joined_until_no_two_neighbours_fit_together():
-    pattern = grid(9, 7, 20.0, holes=[(4, 3), (5, 3)], triangles=True)
-    faces = faces_of(pattern, (70.0, 50.0))
-    pieces = partition._merged(faces, list(np.arange(faces.count)[:, None]))
-    every = np.sort(np.concatenate(pieces))
-    assert (every == np.arange(faces.count)).all()
-    assert all(faces.valid(p) and len(faces.components(p)) == 1 for p in pieces)
-    pairs = partition._beside(faces, partition._owners(faces, pieces))
-    assert len(pairs) > len(pieces) > 12
-    assert not any(faces.valid(np.concatenate([pieces[i], pieces[j]])) for i, j in pairs)
-
-
-@given(st.integers(1, 300), st.integers(1, 300), st.integers(1, 300))
-def test_the_longest_run_that_fits_is_found_at_a_cost_that_goes_with_its_length(count, most, guess):
-    seen = []
-
-    def fits(run):
-        seen.append(len(run))
-        return len(run) <= most
-
-    assert partition._longest(np.arange(count), guess, fits) == min(count, most)
-    assert max(seen) <= max(guess, 2 * min(count, most))
-
-
-@given(st.integers(0, 10**6))
-@settings(max_examples=20)
-def test_what_is_found_of_a_set_from_its_faces_alone_holds_in_the_whole_sheet(seed):
-    """Parts and outline of a random set, against those from all edges of the sheet."""
-    random = np.random.default_rng(seed)
-    pattern = grid(6, 5, 20.0, triangles=True)
-    faces = faces_of(pattern, (70.0, 50.0))
-    kept = random.permutation(faces.count)[: random.integers(1, faces.count)]
-    inside = np.append(np.isin(np.arange(faces.count), kept), False)[pattern.edges_faces]
-    edges, side = partition._outline(faces.sheet, kept)
-    assert sorted(edges.tolist()) == np.flatnonzero(inside[:, 0] != inside[:, 1]).tolist()
-    assert inside[edges, side].all()
-    apart = pattern.edges_faces[inside.all(axis=1)]
-    parts = faces.components(kept)
-    of = {face: number for number, part in enumerate(parts) for face in part.tolist()}
-    assert sorted(of) == sorted(kept.tolist())
-    assert all(of[one] == of[two] for one, two in apart.tolist())
-    joins = Counter(of[one] for one, _ in apart.tolist())
-    assert all(joins[number] >= len(part) - 1 for number, part in enumerate(parts))
-    ends = pattern.vertices_coords[pattern.edges_vertices[edges]].reshape(-1, 2)
-    hulls = [shapely.MultiPoint(points).convex_hull for points in (ends, extent(faces.sheet, kept))]
-    assert hulls[0].equals(hulls[1])
 
 
 def test_names_stand_where_they_cross_no_crease_and_as_high_as_there_is_room():
