@@ -10,7 +10,15 @@ from itertools import islice
 
 from solver.errors import OrigamiError
 
-__all__ = ["Finding", "InvalidFile", "InvalidJob", "Severity", "did_you_mean", "first_few"]
+__all__ = [
+    "Finding",
+    "InvalidFile",
+    "InvalidJob",
+    "Severity",
+    "counted",
+    "did_you_mean",
+    "first_few",
+]
 
 # A finding lists this many creases or panels; its text has the count of all.
 _LISTED = 20
@@ -60,6 +68,15 @@ def did_you_mean(word: object, known: Iterable[str], cutoff: float = 0.6) -> str
     """
     close = difflib.get_close_matches(str(word), list(known), 1, cutoff)
     return f" Did you mean {close[0]}?" if close else ""
+
+
+def counted(count: int, noun: str, plural: str = "") -> str:
+    """A number and what it counts, which agree.
+
+    >>> counted(1, "piece"), counted(0, "seam"), counted(2, "mesh", "meshes")
+    ('1 piece', '0 seams', '2 meshes')
+    """
+    return f"{count} {noun if count == 1 else plural or f'{noun}s'}"
 
 
 def first_few(numbers: Iterable[int]) -> tuple[int, ...]:

@@ -10,11 +10,13 @@ from flat_patterns import pattern_of
 from helpers import PATTERNS
 
 from fab.formats.fold_reader import read_pattern
+from fab.geometry.bodies import Bodies
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
+from fab.pattern.face_poses import face_poses
 from fab.pattern.kinematics import fold_by_angles
 from solver import Miura
 
@@ -68,6 +70,16 @@ def folded(flat, angle_deg):
     half = np.radians(angle_deg) / 2
     x, y = flat.T
     return np.column_stack([x * np.cos(half), y, np.abs(x) * np.sin(half)])
+
+
+def in_pose(sheet: ThickSheet, coords) -> Bodies:
+    """The rigid bodies, in the order of `sheet.rigid`, where a folded state has their faces.
+
+    coords : shape (nv, 3), mm, of the pattern's vertices.
+    """
+    turns, shifts = face_poses(sheet.pattern, coords)
+    owner = sheet.faces[sheet.rigid]
+    return sheet.bodies.chosen(sheet.rigid).moved(turns[owner], shifts[owner])
 
 
 def solid(pattern, **panel):

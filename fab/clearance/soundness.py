@@ -1,27 +1,82 @@
-"""Is every body a closed solid in one piece, and are all of them held together?"""
+"""Soundness of the bodies of a thick sheet: closed, in one piece, and held together by hinges."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted
 from fab.geometry.bodies import Bodies, TriangleMesh
 from fab.geometry.booleans import manifold_of
 from fab.panels.thick_sheet import ThickSheet
+from solver.graphs import labels
 from solver.vectors import IntArray
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
 
-__all__ = ["held_together", "inspect_joined", "inspect_soundness", "parts_of"]
+__all__ = [
+    "SolidFigures",
+    "held_together",
+    "inspect_joined",
+    "inspect_solids",
+    "inspect_soundness",
+    "parts_of",
+]
 
 _VOLUME_REL = 1e-9
 # Corners too near to each other for single precision become one where bodies are joined.
 _JOINED_REL = 1e-6
+
+
+@dataclass(frozen=True)
+class SolidFigures:
+    """What the bodies of a sheet are.
+
+    Attributes
+    ----------
+    panels : number of them; hinges : creases at which two of them hold together, by any hinge.
+    bodies : number of pieces after joining.
+    volume_mm3, flexible_mm3 : of all solids together, and of those that bend.
+    """
+
+    panels: int
+    hinges: int
+    bodies: int
+    volume_mm3: float
+    flexible_mm3: float
+
+
+def inspect_solids(
+    sheet: ThickSheet, solids: list[Manifold], joined: TriangleMesh
+) -> tuple[SolidFigures, list[Finding]]:
+    """Check every body, the joined surface, and whether hinges hold each piece together.
+
+    solids : the bodies of the sheet as manifold3d solids. joined : the surface of all of them.
+    """
+    findings = [*inspect_soundness(sheet, solids), *inspect_joined(sheet, joined)]
+    parts = held_together(sheet)
+    pieces = len(np.unique(sheet.pattern.faces_piece[sheet.panels.faces]))
+    if parts > pieces:
+        findings.append(
+            Finding(
+                "panels-loose",
+                Severity.ERROR,
+                f"The panels are joined into {parts} bodies, not {pieces}: some have no hinge. "
+                "Lower gap_mm or relief_mm, or enlarge the sheet.",
+            )
+        )
+    volumes = sheet.bodies.volumes_mm3()
+    figures = SolidFigures(
+        len(sheet.panels.bodies),
+        len(sheet.held),
+        parts,
+        float(volumes.sum()),
+        float(volumes[sheet.flexible].sum()),
+    )
+    return figures, findings
 
 
 def inspect_soundness(sheet: ThickSheet, solids: list[Manifold]) -> list[Finding]:
@@ -45,8 +100,8 @@ def inspect_soundness(sheet: ThickSheet, solids: list[Manifold]) -> list[Finding
                     "solid-invalid",
                     Severity.ERROR,
                     f"{sheet.names[body].replace('_', ' ')} is not a valid solid: {status.name}, "
-                    f"{parts[body]} parts, volume {solid.volume():.6g} of {volumes[body]:.6g} mm3. "
-                    "Report this with the job.",
+                    f"{counted(int(parts[body]), 'part')}, volume {solid.volume():.6g} of "
+                    f"{volumes[body]:.6g} mm3. Report this with the job.",
                     creases=(int(sheet.creases[body]),) if sheet.creases[body] >= 0 else (),
                     panels=(int(sheet.faces[body]),) if panel else (),
                 )
@@ -75,21 +130,13 @@ def inspect_joined(sheet: ThickSheet, joined: TriangleMesh) -> list[Finding]:
 def parts_of(bodies: Bodies) -> IntArray:
     """Number of connected parts of every body, shape (n,)."""
     corners = bodies.triangles
-    one, two = corners[:, [0, 1]].ravel(), corners[:, [1, 2]].ravel()
-    size = len(bodies.vertices_coords)
-    graph = coo_array((np.ones(len(one), bool), (one, two)), shape=(size, size))
-    _, label = connected_components(graph, directed=False)
-    _, member = np.unique(label, return_index=True)
+    pairs = np.column_stack([corners[:, [0, 1]].ravel(), corners[:, [1, 2]].ravel()])
+    _, member = np.unique(labels(pairs, len(bodies.vertices_coords)), return_index=True)
     return np.bincount(bodies.vertices_body[member], minlength=len(bodies))
 
 
 def held_together(sheet: ThickSheet) -> int:
     """Number of bodies that the panels make with their hinges of any kind."""
     panels = sheet.panels.faces
-    size = len(panels)
-    if not size:
-        return 0
-    pairs = sheet.pattern.edges_faces[sheet.held]
-    one, two = np.searchsorted(panels, pairs.T)
-    graph = coo_array((np.ones(len(one)), (one, two)), shape=(size, size))
-    return int(connected_components(graph, directed=False)[0])
+    pairs = np.searchsorted(panels, sheet.pattern.edges_faces[sheet.held])
+    return 1 + int(labels(pairs, len(panels)).max(initial=-1))

@@ -1,7 +1,7 @@
-"""Up to which thickness do no panels of a sheet overlap in a folded state?
+"""The largest thickness at which no panels of a sheet overlap in a folded state.
 
 Thinner panels lie within thicker ones, unless knuckles set these back farther. So the pairs that
-overlap at one thickness are all that can overlap below it, and the bound is found by halves.
+overlap at one thickness are all that can overlap below it, and the bound is found by bisection.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from functools import cache
 
 import numpy as np
 
-from fab.clearance.pair_checks import check_pairs, thick_bodies
+from fab.clearance.checked_bodies import checked_bodies
+from fab.clearance.pair_checks import check_pairs
 from fab.folding.folded_states import FoldedState, folded_states, known_target, states_within
 from fab.geometry.booleans import manifolds
 from fab.panels.bevelled_panels import PanelSettings
-from fab.panels.feasibility import least_thickness_mm
-from fab.panels.hinges import HingeSettings
+from fab.panels.hinges import HingeSettings, least_thickness_mm
 from fab.panels.inset_limits import largest_where
 from fab.panels.thick_sheet import ThickSheet, rigid_sheet
 from fab.pattern.crease_pattern import CreasePattern
@@ -36,9 +36,12 @@ def collisions(
 ) -> Callable[[float], float | None]:
     """As `clear_up_to` at the target, for any thickness to begin with, in mm.
 
-    The target is the folded form of the pattern or of its angles; where fold_limit_deg stops the
-    sheet on its way, or there is no such form, the last state of the simulated fold that is within
-    the limit. No state is looked for before the answer is asked for; states : where they are known.
+    The target is the folded form of the pattern or of its angles; where the fold limit of the
+    panels stops the sheet before it, or there is no such form, it is the last state of the
+    simulated fold that is within the limit. States are simulated when the function is first called.
+
+    states : of the pattern, where they are known. Raises `InvalidJob` where panels cannot have such
+    hinges.
     """
 
     @cache
@@ -62,8 +65,10 @@ def clear_up_to(
 ) -> float | None:
     """The largest thickness, mm, at most that of the panels, at which none overlap in a state.
 
-    By more than faces that bend explain. None where some do at every thickness. Exact to 1e-9 of
-    itself.
+    Overlaps count that are deeper than faces that bend explain. None where some overlap at every
+    thickness. Exact to 1e-9 of itself.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
     """
 
     def overlapping(thickness_mm: float, among: IntArray | None = None) -> IntArray:
@@ -84,13 +89,13 @@ def clear_up_to(
 
 
 def _overlapping(sheet: ThickSheet, state: FoldedState, among: IntArray | None = None) -> IntArray:
-    """Faces whose panels overlap others, rising; among: only of these faces."""
+    """Faces whose panels overlap others, rising. among : the only faces to check."""
     if among is not None:
         sheet = _only(sheet, among)
     if len(sheet.bodies) < 2:
         return np.empty(0, np.int64)
     every = np.arange(len(sheet.bodies))
-    check = check_pairs(sheet, thick_bodies(sheet, manifolds(sheet.bodies), every), state)
+    check = check_pairs(sheet, checked_bodies(sheet, manifolds(sheet.bodies), every), state)
     rows = check.overlapping
     return np.unique(check.faces[check.pairs[rows[check.deep[rows]]]])
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from manifold3d import Manifold
 
 __all__ = [
+    "corners_and_triangles",
+    "difference",
     "joined_mesh",
     "manifold_of",
     "manifolds",
@@ -129,3 +131,17 @@ def told_apart_mm(bodies: Bodies) -> float:
     """A distance that single precision resolves everywhere in the bodies, and no one can print."""
     reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
     return max(1e-4, 2 * reach * float(np.finfo(np.float32).eps))
+
+
+def corners_and_triangles(solid: Manifold) -> tuple[FloatArray, IntArray]:
+    """Vertices, shape (nv, 3), and triangles, shape (nt, 3), of a manifold3d solid."""
+    mesh = solid.to_mesh64()
+    coords = np.array(mesh.vert_properties[:, :3], np.float64)
+    return coords, np.asarray(mesh.tri_verts, np.int64)
+
+
+def difference(solids: Sequence[Manifold]) -> Manifold:
+    """The first of some solids without all others."""
+    from manifold3d import Manifold, OpType
+
+    return Manifold.batch_boolean(solids, OpType.Subtract)

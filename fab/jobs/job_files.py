@@ -149,14 +149,15 @@ def _solid_files(
     from fab.printing.print_files import ThickFormat, thick_files
 
     formats = {kind for kind in ThickFormat if kind.value in set(wanted)}
-    made = thick_files(pattern, job.name, job, formats, clock, job.print_with(job.folder))
+    print_with = job.print_with(job.folder)
+    made = thick_files(pattern, job.name, job.printed(print_with), formats, clock, print_with)
     findings += made.findings
     if made.figures is None or made.print_mm is None:
         return None
     boxes["print"] = made.print_mm
     for end, data in made.data.items():
         files[job.name + ("_thick.png" if end == ".png" else end)] = data
-    return {**dataclasses.asdict(made.figures), "plates": made.plates}
+    return {**made.figures, "plates": made.plates}
 
 
 def _number(value: float) -> float | None:

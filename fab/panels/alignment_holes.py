@@ -1,4 +1,4 @@
-"""Where is a panel drilled, to be aligned by?"""
+"""Holes through panels, to align them by."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import Bodies
 from fab.geometry.extrusion import circle, walls
 from fab.geometry.half_edges import HalfEdges, bodies_from, half_edges, triangles_within
@@ -22,11 +22,12 @@ __all__ = ["drilled"]
 def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, list[Finding]]:
     """The panels with a hole through each, where it is farthest from their sides at all heights.
 
-    Panels in which it would leave less than a wall beside it stay whole, and are named.
+    hole_mm : diameter. wall_mm : least wall beside a hole. Panels without room for both stay whole,
+    and a finding names them.
     """
     edges = half_edges(panels.bodies)
-    lying = edges.lying(len(panels.bodies))
-    free = shapely.intersection(*(_outlines(panels, edges, sides) for sides in lying))
+    levels = edges.lying(len(panels.bodies))
+    free = shapely.intersection(*(_outlines(panels, edges, sides) for sides in levels))
     least = hole_mm / 2 / np.cos(np.pi / ROUND_SIDES) + wall_mm
     area = shapely.buffer(free, 0.0)  # without what has none, such as where sides only touch
     room = np.flatnonzero(~shapely.is_empty(area))
@@ -36,16 +37,19 @@ def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, lis
     wide = np.flatnonzero(radii >= least)
     centres = shapely.get_coordinates(shapely.get_point(across[radii[room] >= least], 0))
     out = replace(panels, bodies=_pierced(panels, edges, wide, centres, hole_mm / 2))
-    narrow = panels.faces[radii < least].tolist()
+    narrow = panels.faces[radii < least]
     widest = float(radii[radii < least].max(initial=0.0))
-    if not narrow:
+    if not len(narrow):
         return out, []
+    sides = "its sides at all heights; it"
+    if len(narrow) > 1:
+        sides = "their sides at all heights; the widest of them"
     text = (
-        f"{len(narrow)} panels have no hole: hole_mm = {hole_mm:g} with wall_mm = {wall_mm:g} "
-        f"beside it needs {2 * least:.4g} mm between their sides at all heights; the widest of "
-        f"them has {2 * widest:.4g}. Lower hole_mm or wall_mm, or enlarge the sheet."
+        f"{counted(len(narrow), 'panel has', 'panels have')} no hole: hole_mm = {hole_mm:g} with "
+        f"wall_mm = {wall_mm:g} beside it needs {2 * least:.4g} mm between {sides} has "
+        f"{2 * widest:.4g}. Lower hole_mm or wall_mm, or enlarge the sheet."
     )
-    return out, [Finding("hole-missing", Severity.WARNING, text, panels=tuple(narrow[:20]))]
+    return out, [Finding("hole-missing", Severity.WARNING, text, panels=first_few(narrow))]
 
 
 def _outlines(panels: Panels, edges: HalfEdges, sides: IntArray) -> NDArray[np.object_]:
@@ -59,7 +63,7 @@ def _outlines(panels: Panels, edges: HalfEdges, sides: IntArray) -> NDArray[np.o
 def _pierced(
     panels: Panels, edges: HalfEdges, chosen: IntArray, centres: FloatArray, radius: float
 ) -> Bodies:
-    """The panels, of which chosen ones, shape (k,), have a hole around centres, shape (k, 2)."""
+    """The panels with a hole in the chosen ones, shape (k,), around centres, shape (k, 2)."""
     if not len(chosen):
         return panels.bodies
     bodies, count = panels.bodies, ROUND_SIDES
@@ -69,21 +73,25 @@ def _pierced(
     places[..., 2] = np.array(panels.heights_mm)[:, None]
     coords = np.concatenate([bodies.vertices_coords, places.reshape(-1, 3)])
     first = len(bodies.vertices_coords) + 2 * count * np.arange(len(chosen))[:, None]
-    here = np.arange(count)
-    there = np.roll(here, -1)
+    corner = np.arange(count)
+    following = np.roll(corner, -1)
     bottoms, tops = (sides[chosen, None] for sides in edges.lying(len(bodies)))
     # clockwise, seen from outside
     rings = [
-        (here + first + count, there + first + count, np.broadcast_to(tops, places.shape[::2])),
-        (there + first, here + first, np.broadcast_to(bottoms, places.shape[::2])),
+        (
+            corner + first + count,
+            following + first + count,
+            np.broadcast_to(tops, places.shape[::2]),
+        ),
+        (following + first, corner + first, np.broadcast_to(bottoms, places.shape[::2])),
     ]
     start, end, sides = (
         np.concatenate([old, *(ring[k].ravel() for ring in rings)])
         for k, old in enumerate((edges.start, edges.end, edges.sides))
     )
     covers, side = triangles_within(replace(edges, start=start, end=end, sides=sides), coords)
-    around = walls(here, there, count) + first[:, :, None]
-    plane = len(edges.bodies) + np.tile(here, 2) + count * np.arange(len(chosen))[:, None]
+    around = walls(corner, following, count) + first[:, :, None]
+    plane = len(edges.bodies) + np.tile(corner, 2) + count * np.arange(len(chosen))[:, None]
     return bodies_from(
         coords,
         np.concatenate([bodies.vertices_body, np.repeat(chosen, 2 * count)]),

@@ -1,4 +1,4 @@
-r"""Which barrels, arms and pins stand along the sides of panels, and where do they meet them?
+r"""Barrels, arms and pins along the sides of panels, as surfaces that are open at their walls.
 
 The section of a barrel with its arm, x into its panel and z upwards, around a hole for the pin:
 
@@ -39,8 +39,8 @@ class Barrels:
     Attributes
     ----------
     creases : shape (n,), rising, the edge of each.
-    sides : shape (n,), the side of a face (`Sides`) that it stands at.
-    runs : shape (n, 2), from where to where, mm from the start of that side.
+    sides : shape (n,), the side of a face (`Sides`) that it is at.
+    runs : shape (n, 2), where it begins and ends, mm from the start of that side.
     pinned : shape (n,), whether it carries a pin, which the others turn about.
     first, last : shape (n,), whether it is the first or the last one with its pin.
     """
@@ -87,8 +87,8 @@ def barrel_rows(
     """Barrels of both sides of creases in turn, those of the first one at both ends, with the pin.
 
     both_sides : shape (k, 2), sides in the first and the second face, which runs against the first.
-    lengths_mm : shape (k,), of these sides. ends, counts : shapes (k, 2) and (k,), from where to
-    where on the first side, and how many.
+    lengths_mm : shape (k,), of these sides. ends, counts : shapes (k, 2) and (k,), where the first
+    barrel begins and the last one ends on the first side, and their number.
     """
     hinge = np.repeat(np.arange(len(counts)), counts)
     number = np.arange(len(hinge)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -150,10 +150,11 @@ def _outlines(
         """From the arm's own corner to the barrel's level side, all above the axis."""
         if kind == 0:
             return []
-        one = np.ones_like(slope)
-        x = slope * np.sqrt(2) * radius / (1 + slope) if kind == 1 else radius * one
-        more = [] if kind == 1 else [(radius * one, corner * one)]
-        return [(slope * radius, radius * one), (x, x / slope), *more, (corner * one, radius * one)]
+        ones = np.ones_like(slope)
+        x = slope * np.sqrt(2) * radius / (1 + slope) if kind == 1 else radius * ones
+        more = [] if kind == 1 else [(radius * ones, corner * ones)]
+        begin, end = (slope * radius, radius * ones), (corner * ones, radius * ones)
+        return [begin, (x, x / slope), *more, end]
 
     def at(x: float, z: float) -> tuple[FloatArray, FloatArray]:
         return np.full_like(off, x), np.full_like(off, z)
@@ -212,11 +213,11 @@ def _row(
         (last, fan[:, ::-1] + count, np.ones(len(fan), np.int64)),
     ]
     triangles, planes, owners = [], [], []
-    for who, local, own in parts:
-        triangles.append((local + 2 * count * who[:, None, None]).reshape(-1, 3))
-        shift = np.where(own < 0, 0, (count + 2) * who[:, None])
+    for owner, local, own in parts:
+        triangles.append((local + 2 * count * owner[:, None, None]).reshape(-1, 3))
+        shift = np.where(own < 0, 0, (count + 2) * owner[:, None])
         planes.append((own + shift).ravel())
-        owners.append(np.repeat(who, len(own)))
+        owners.append(np.repeat(owner, len(own)))
     side = barrels.sides[chosen]
     x, z = sections[section].transpose(2, 0, 1)[:, :, None]
     along = barrels.runs[chosen][:, :, None, None] * sides.along[side][:, None, None]

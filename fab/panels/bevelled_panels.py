@@ -1,6 +1,7 @@
-"""Which solid stands on each face of the sheet, set back from its creases?
+"""Panels: the solid of each face of the sheet, set back from its creases.
 
-Every panel lies between two heights and stays behind all setbacks of its sides (`fab.setbacks`).
+Every panel lies between two heights and stays behind all setbacks of its sides
+(`fab.panels.setbacks`).
 Axes x of the creases lie at z = 0; a panel on its axis is cut straight at a mountain and bevelled
 at a valley, one with the axis in its middle is bevelled on the side that closes:
 
@@ -20,21 +21,28 @@ import numpy as np
 import shapely
 from pydantic import Field, model_validator
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import Bodies, TriangleMesh, bodies_of, stacked
-from fab.geometry.rings import are_convex, next_corner
+from fab.geometry.booleans import corners_and_triangles, manifold_of
+from fab.geometry.rings import are_convex
 from fab.panels.inset_limits import inradii
+from fab.panels.inset_sides import SHORTEST_SIDE_MM, inset, spans
 from fab.panels.setbacks import Setbacks, Sides, sides_of
 from fab.pattern.crease_pattern import CreasePattern
 from fab.settings import Settings
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["PanelSettings", "Panels", "inset", "make_panels", "spans"]
+__all__ = [
+    "LEAST_RADIUS_MM",
+    "LEAST_THICKNESS_MM",
+    "MOST_THICKNESS_MM",
+    "PanelSettings",
+    "Panels",
+    "make_panels",
+]
 
 LEAST_THICKNESS_MM, MOST_THICKNESS_MM = 0.01, 1000.0
-# A side of a panel that is shorter than this after its setbacks is none.
-SHORTEST_SIDE_MM = 0.05
-# A panel stands where a circle of this radius fits into its bottom and its top.
+# A face has a panel where a circle of this radius fits into its bottom and its top.
 LEAST_RADIUS_MM = SHORTEST_SIDE_MM / 2
 
 
@@ -111,15 +119,24 @@ class Panels:
     sides: Sides
     setbacks: Setbacks
 
+    @property
+    def faces_has_panel(self) -> BoolArray:
+        """Whether each face of the pattern has a panel, shape (nf,)."""
+        out = np.zeros(len(self.sides.offsets) - 1, bool)
+        out[self.faces] = True
+        return out
+
 
 def make_panels(
     pattern: CreasePattern, heights_mm: tuple[float, float], back: Setbacks
 ) -> tuple[Panels, list[Finding]]:
-    """One panel for each face; faces on which none can stand are left out.
+    """One panel for each face; faces that can have none are left out.
+
+    heights_mm : bottom and top of the panels over their axes. back : setbacks of every edge.
 
     Where all sides stay, panels are stacked rings. A convex face whose sides do not all stay is cut
-    by the planes of all its setbacks. Faces that are not convex are named where none can stand;
-    for the others see `fab.standing`.
+    by the planes of all its setbacks. Findings name faces that are not convex and have no panel;
+    for the others see `fab.panels.feasibility`.
     """
     sides = sides_of(pattern)
     offsets = sides.offsets
@@ -150,11 +167,12 @@ def make_panels(
         order = np.argsort(faces)
         bodies = bodies_of([*(simple.mesh(i) for i in range(len(simple))), *meshes]).chosen(order)
         faces = faces[order]
-    standing = np.zeros(len(offsets) - 1, bool)
-    standing[faces] = True
     panels = Panels(bodies, faces, heights_mm, sides, back)
-    findings = _findings(np.flatnonzero(~standing), convex, np.unique(np.array(shed, np.int64)))
-    return panels, findings
+    without = np.flatnonzero(~panels.faces_has_panel)
+    return panels, [
+        *_not_convex(without[~convex[without]]),
+        *_vanished_sides(np.unique(np.array(shed, np.int64))),
+    ]
 
 
 def _rings(sides: Sides, back: Setbacks, levels: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -166,41 +184,6 @@ def _rings(sides: Sides, back: Setbacks, levels: FloatArray) -> tuple[FloatArray
         rings.append(ring)
         kept &= fine
     return np.stack(rings, axis=1), kept
-
-
-def inset(
-    corners: FloatArray, offsets: IntArray, setback: FloatArray
-) -> tuple[FloatArray, BoolArray]:
-    """Polygons with each side moved inwards by its own setback.
-
-    corners : counterclockwise rings, shape (total, 2); setback : of the side from each corner to
-    the next, shape (total,). Returns the new corners, and which polygons keep all their sides in
-    direction, each at least `SHORTEST_SIDE_MM` long, shape (n,).
-
-    With unit directions d1, d2 of the sides before and after a corner and their setbacks s1, s2,
-    the corner moves by (s1 d2 - s2 d1) / (d1 x d2).
-    """
-    following = next_corner(offsets)
-    side = corners[following] - corners
-    length = np.hypot(side[:, 0], side[:, 1])
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        after = side / length[:, None]
-        before = np.empty_like(after)
-        before[following] = after
-        s2 = setback
-        s1 = np.empty_like(s2)
-        s1[following] = s2
-        sine = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        move = (s1[:, None] * after - s2[:, None] * before) / sine[:, None]
-        # straight corners: both sides move alike, or there is no corner to move to
-        straight = (np.abs(sine) < 1e-9) & (s1 == s2) & ((before * after).sum(axis=1) > 0)
-        move[straight] = (s2[:, None] * np.column_stack([-after[:, 1], after[:, 0]]))[straight]
-        moved = corners + move
-        along = ((moved[following] - moved) * after).sum(axis=1)
-        back = (np.abs(sine) < 1e-9) & ~straight  # where the ring turns back, or has a step
-        fine = np.isfinite(along) & (along >= np.minimum(SHORTEST_SIDE_MM, length / 2)) & ~back
-    kept = np.logical_and.reduceat(fine, offsets[:-1])
-    return moved, kept
 
 
 def _planes(
@@ -225,8 +208,6 @@ def _cut(
     sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: int
 ) -> TriangleMesh | None:
     """A convex face's panel, cut by all its planes; None where none is left at both heights."""
-    from manifold3d import Manifold, Mesh64
-
     normals, distance = _planes(sides, back, heights_mm, face)
     if not np.isfinite(normals).all() or not np.isfinite(distance).all():
         return None
@@ -237,7 +218,7 @@ def _cut(
         np.array([0, len(corners)]),
         np.array(heights_mm),
     ).mesh(0)
-    solid = Manifold(Mesh64(prism.vertices_coords, prism.triangles.astype(np.uint64)))
+    solid = manifold_of(prism)
     # vertical walls once, borders of the sheet not at all: cuts along a wall leave idle vertices
     used = np.unique(np.column_stack([normals, distance]), axis=0, return_index=True)[1]
     border = np.repeat((back.axis_mm[sides.edges[rows]] == 0.0), 2)
@@ -247,9 +228,7 @@ def _cut(
         solid = solid.trim_by_plane(tuple((normal / length).tolist()), d / length)
     if solid.is_empty() or solid.num_tri() == 0:
         return None
-    mesh = solid.to_mesh64()
-    coords = np.asarray(mesh.vert_properties[:, :3], np.float64)
-    triangles = np.asarray(mesh.tri_verts, np.int64)
+    coords, triangles = corners_and_triangles(solid)
     size = np.hypot(np.hypot(normals[:, 0], normals[:, 1]), normals[:, 2])
     off = np.abs((coords @ normals.T - distance) / size)
     return TriangleMesh(coords, triangles, off[triangles].max(axis=1).argmin(axis=1))
@@ -264,72 +243,25 @@ def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: i
     return lost
 
 
-def spans(
-    sides: Sides, back: Setbacks, z_mm: float, rows: IntArray, own_mm: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """From where to where each of some sides runs at a height, in mm from its start, shape (k,).
-
-    own_mm : how far inwards it runs, shape (k,); the setbacks of these sides where left out.
-
-    The side, moved inwards so far, ends where the next one crosses it; in convex faces
-    any other may. The start comes after the end where nothing is left of it.
-    """
-    offsets = sides.offsets
-    convex = are_convex(sides.start, offsets)
-    back_mm = back.at(z_mm)[sides.edges]
-    own_mm = back_mm[rows] if own_mm is None else own_mm
-    face = sides.faces[rows]
-    low, high = np.full(len(rows), -np.inf), np.full(len(rows), np.inf)
-    sizes = np.diff(offsets)[face]
-    for step in range(1, int(sizes.max(initial=1))):
-        active = step < sizes
-        # of a face that is not convex the two neighbours alone
-        active &= convex[face] | (step == 1) | (step == sizes - 1)
-        me = rows[active]
-        other = offsets[face[active]] + (me - offsets[face[active]] + step) % sizes[active]
-        point = sides.start[me] + own_mm[active, None] * sides.inward[me]
-        slope = (sides.along[me] * sides.inward[other]).sum(axis=1)
-        gap = ((sides.start[other] - point) * sides.inward[other]).sum(axis=1) + back_mm[other]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = gap / slope  # where slope * t >= gap
-        parallel = np.abs(slope) < 1e-9
-        shut = parallel & (gap > 1e-9)
-        if not convex.all():
-            reflex = ~convex[face[active]]
-            # beyond a reflex corner the neighbour cuts from the other end
-            first, last = step == 1, step == sizes[active] - 1
-            slope = np.where(reflex, np.where(first, -1.0, np.where(last, 1.0, slope)), slope)
-        t = np.where(parallel, np.nan, t)
-        low[active] = np.fmax(low[active], np.where(shut, np.inf, np.where(slope > 0, t, np.nan)))
-        high[active] = np.fmin(
-            high[active], np.where(shut, -np.inf, np.where(slope < 0, t, np.nan))
-        )
-    length = sides.length_mm[rows]
-    return np.where(np.isinf(low) & (low < 0), 0.0, low), np.where(high == np.inf, length, high)
+def _not_convex(faces: IntArray) -> list[Finding]:
+    if not len(faces):
+        return []
+    first = counted(
+        len(faces),
+        "face is not convex and loses a side, or crosses itself, by the setbacks of its creases; "
+        "it has no panel. Split it by creases",
+        "faces are not convex and lose a side, or cross themselves, by the setbacks of their "
+        "creases; they have no panel. Split them by creases",
+    )
+    text = f"{first}, or enlarge the sheet."
+    return [Finding("panel-not-convex", Severity.ERROR, text, panels=first_few(faces))]
 
 
-def _findings(without: IntArray, convex: BoolArray, shed: IntArray) -> list[Finding]:
-    findings = []
-    crossed = without[~convex[without]]
-    if len(crossed):
-        findings.append(
-            Finding(
-                "panel-not-convex",
-                Severity.ERROR,
-                f"{len(crossed)} faces are not convex and lose a side, or cross themselves, by the "
-                "setbacks of their creases; they have no panel. Split them by creases, or enlarge "
-                "the sheet.",
-                panels=tuple(crossed[:20].tolist()),
-            )
-        )
-    if len(shed):
-        findings.append(
-            Finding(
-                "panel-side-vanishes",
-                Severity.WARNING,
-                f"{len(shed)} edges are so short that a panel beside them loses its side to the "
-                "setbacks of the others.",
-                creases=tuple(shed[:20].tolist()),
-            )
-        )
-    return findings
+def _vanished_sides(edges: IntArray) -> list[Finding]:
+    if not len(edges):
+        return []
+    text = (
+        f"{counted(len(edges), 'edge is', 'edges are')} so short that a panel beside "
+        f"{'it' if len(edges) == 1 else 'them'} loses its side to the setbacks of the others."
+    )
+    return [Finding("panel-side-vanishes", Severity.WARNING, text, creases=first_few(edges))]

@@ -1,4 +1,4 @@
-"""Which colour does each body of a thick sheet have in CAD programs and slicers?"""
+"""Colours of the bodies of a thick sheet in CAD programs and slicers."""
 
 from __future__ import annotations
 
@@ -17,8 +17,9 @@ HINGE: dict[str, Rgb] = {"M": (0.85, 0.2, 0.2), "V": (0.2, 0.35, 0.85)}
 
 def body_colours(sheet: ThickSheet) -> list[Rgb]:
     """Red, green and blue, 0 to 1, of every body: of hinges by mountain and valley."""
-    letters = sheet.pattern.edges_assignment
+    assignment = sheet.pattern.edges_assignment.tolist()
+    letters = [assignment[edge] if edge >= 0 else "" for edge in sheet.creases.tolist()]
     return [
-        PANEL if not soft else HINGE.get(str(letters[edge]), FILM) if edge >= 0 else FILM
-        for soft, edge in zip(sheet.flexible.tolist(), sheet.creases.tolist(), strict=True)
+        HINGE.get(letter, FILM) if soft else PANEL
+        for soft, letter in zip(sheet.flexible.tolist(), letters, strict=True)
     ]

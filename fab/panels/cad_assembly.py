@@ -1,4 +1,4 @@
-"""Which CAD objects is a thick sheet, with a joint at every crease to pose it by?"""
+"""A thick sheet as CAD objects, with a joint at every crease to pose it by."""
 
 from __future__ import annotations
 
@@ -63,6 +63,7 @@ def placed_solids(sheet: ThickSheet, coords: FloatArray | None = None) -> dict[i
 
 
 def _flat_solids(sheet: ThickSheet, coords: FloatArray | None) -> dict[int, Solid]:
+    """The solids that `placed_solids` has, by their numbers, where they are when flat."""
     if coords is None:
         made = dict(enumerate(solids(sheet.bodies)))
     else:
@@ -74,6 +75,7 @@ def _flat_solids(sheet: ThickSheet, coords: FloatArray | None) -> dict[int, Soli
 
 
 def _place(sheet: ThickSheet, made: Mapping[int, Solid], coords: FloatArray | None) -> None:
+    """Move flat solids to a folded state, where one is given."""
     from build123d import Location
     from OCP.gp import gp_Trsf
 
@@ -88,7 +90,7 @@ def _place(sheet: ThickSheet, made: Mapping[int, Solid], coords: FloatArray | No
 
 
 def _add_joints(sheet: ThickSheet, panels: Mapping[int, Solid]) -> None:
-    """Joints on flat solids, given by their faces."""
+    """Add joints to flat solids, given by their faces."""
     from build123d import Axis, RevoluteJoint, RigidJoint
 
     pattern = sheet.pattern
@@ -98,10 +100,10 @@ def _add_joints(sheet: ThickSheet, panels: Mapping[int, Solid]) -> None:
         (x, y), (x_end, y_end) = ends[edge].tolist()
         # against the edge: its first face lies on the left, and the second one rises at a valley
         axis = Axis((x, y, 0.0), (x - x_end, y - y_end, 0.0))
-        one, two = pattern.edges_faces[edge].tolist()
+        left, right = pattern.edges_faces[edge].tolist()
         label = f"{_CREASE}{edge}"
-        RevoluteJoint(label, panels[one], axis, angular_range=(-180.0, 180.0))
-        RigidJoint(label, panels[two], axis.location)
+        RevoluteJoint(label, panels[left], axis, angular_range=(-180.0, 180.0))
+        RigidJoint(label, panels[right], axis.location)
 
 
 def pose(compound: Compound, pattern: CreasePattern, angles_deg: FloatArray) -> Compound:

@@ -1,4 +1,4 @@
-"""Which faces have a panel, and what thickness, size or fold limit would save the others?"""
+"""Faces that can have a panel, and the thickness, size or fold limit that saves the others."""
 
 from __future__ import annotations
 
@@ -6,11 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fab.errors import Finding, InvalidJob, Severity
+from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.rings import are_convex
 from fab.panels.bevelled_panels import (
     LEAST_RADIUS_MM,
-    LEAST_THICKNESS_MM,
     MOST_THICKNESS_MM,
     PanelSettings,
     make_panels,
@@ -19,7 +18,8 @@ from fab.panels.hinges import (
     HingeSettings,
     crease_kinds,
     heights_and_setbacks,
-    heights_over_axes_mm,
+    hinges_fit,
+    least_thickness_mm,
 )
 from fab.panels.inset_limits import inradii, largest_where, rounded_down, rounded_up, scale_bounds
 from fab.panels.knuckles import knuckles_turn
@@ -27,37 +27,19 @@ from fab.panels.setbacks import Setbacks, sides_of
 from fab.pattern.crease_pattern import CreasePattern, scaled
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Standing", "inspect_standing", "least_thickness_mm"]
+__all__ = ["Feasibility", "inspect_feasibility"]
 
-# A sheet that must be more than so many times as large has no size.
+# A sheet that must be larger by more than this factor has no size.
 _MOST_TIMES = 1e6
 # Fold limits are looked for down to this.
 _LEAST_LIMIT_DEG = 1e-3
-_NAMED = 20
 
 
-def least_thickness_mm(panel: PanelSettings, hinge: HingeSettings) -> float:
-    """The least thickness at which panels reach up to their axes, and can have such hinges.
+class Feasibility:
+    """Which faces of a pattern can have a panel, at any thickness, scale and fold limit.
 
-    Raises `InvalidJob` where they cannot have them as given.
-    """
-    heights_over_axes_mm(panel, hinge)
-
-    def fits(inverse: float) -> bool:
-        try:
-            heights_over_axes_mm(panel.model_copy(update={"thickness_mm": 1 / inverse}), hinge)
-        except InvalidJob:
-            return False
-        return True
-
-    thinnest = largest_where(fits, 1 / panel.thickness_mm, 1 / LEAST_THICKNESS_MM)
-    return max(1 / thinnest if thinnest else panel.thickness_mm, panel.axis_mm or 0.0)
-
-
-class Standing:
-    """Which faces of a pattern have a panel, at any thickness, scale and fold limit.
-
-    What stands does so at every smaller thickness and fold limit, and at every larger scale.
+    A panel that is feasible is so at every smaller thickness and fold limit, and at every larger
+    scale.
     """
 
     def __init__(self, pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings) -> None:
@@ -65,14 +47,17 @@ class Standing:
         self._sides = sides_of(pattern)
         self._convex = are_convex(self._sides.start, self._sides.offsets)
 
-    def __call__(
+    def faces_feasible(
         self,
         thickness_mm: float | None = None,
         *,
         scale: float = 1.0,
         limit_deg: float | None = None,
     ) -> BoolArray:
-        """Whether each face has a panel, shape (nf,). Thickness and limit as given if left out."""
+        """Whether each face has a panel, shape (nf,).
+
+        thickness_mm, limit_deg : those of the settings where left out. scale : of the pattern.
+        """
         heights, back = self._limits(thickness_mm, limit_deg)
         start = scale * self._sides.start
         sides = replace(self._sides, start=start, length_mm=scale * self._sides.length_mm)
@@ -84,18 +69,25 @@ class Standing:
         return fits
 
     def largest_thickness_mm(self, faces: IntArray | None = None) -> float | None:
-        """The largest thickness at which some faces, or all, have a panel; None where none helps.
+        """The largest thickness, mm, at which some faces, or all, have a panel.
 
-        At least that which panels of such an axis and such hinges need, at most 1000 mm.
+        At least what panels of such an axis and such hinges need, at most 1000 mm; None where no
+        thickness between these helps.
         """
         chosen = self._chosen(faces)
         least = least_thickness_mm(self.panel, self.hinge)
-        return largest_where(lambda t: bool(self(t)[chosen].all()), least, MOST_THICKNESS_MM)
+
+        def holds(thickness_mm: float) -> bool:
+            panel = self.panel.model_copy(update={"thickness_mm": thickness_mm})
+            fits = hinges_fit(panel, self.hinge)
+            return fits and bool(self.faces_feasible(thickness_mm)[chosen].all())
+
+        return largest_where(holds, least, MOST_THICKNESS_MM)
 
     def largest_limit_deg(self, faces: IntArray | None = None) -> float | None:
-        """The largest fold_limit_deg at which some faces, or all, have a panel, or None.
+        """The largest fold limit, degrees, at which some faces, or all, have a panel, or None.
 
-        And at which all creases with knuckles turn as far, where there are any.
+        All creases with knuckles, where there are any, turn as far.
         """
         chosen = self._chosen(faces)
         knuckled = crease_kinds(self.pattern, self.hinge) == "knuckle"
@@ -103,7 +95,7 @@ class Standing:
         def holds(limit: float) -> bool:
             _, back = self._limits(limit_deg=limit)
             turns = knuckles_turn(back, self.hinge)[knuckled].all()
-            return bool(turns and self(limit_deg=limit)[chosen].all())
+            return bool(turns and self.faces_feasible(limit_deg=limit)[chosen].all())
 
         return largest_where(holds, _LEAST_LIMIT_DEG, 180.0)
 
@@ -118,7 +110,7 @@ class Standing:
         if self._convex[chosen].all():
             return scale
         small = largest_where(
-            lambda x: bool(self(thickness_mm, scale=1 / x)[chosen].all()),
+            lambda x: bool(self.faces_feasible(thickness_mm, scale=1 / x)[chosen].all()),
             1 / _MOST_TIMES,
             _MOST_TIMES,
         )
@@ -131,7 +123,7 @@ class Standing:
         return np.where(out > _MOST_TIMES, np.inf, out)
 
     def overfolded(self, faces: IntArray) -> IntArray:
-        """Creases of some faces that fold so far that no setback leaves room, by number."""
+        """Creases of some faces that fold too far for any setback to leave room, rising."""
         heights, back = self._limits()
         far = np.maximum(*(back.at(z) for z in heights))
         own = np.isin(self._sides.faces, faces)
@@ -140,11 +132,11 @@ class Standing:
         over: IntArray = edges[far[edges] > _MOST_TIMES * longest]
         return over
 
-    def lifted(self) -> Standing:
+    def lifted(self) -> Feasibility:
         """The same panels above their axes, by half of their clearance, without hinges."""
         below = {"axis": "offset", "axis_mm": -self.panel.clearance_mm / 2}
         panel = self.panel.model_copy(update=below)
-        return Standing(self.pattern, panel, HingeSettings(kind="none"))
+        return Feasibility(self.pattern, panel, HingeSettings(kind="none"))
 
     def _chosen(self, faces: IntArray | None) -> BoolArray:
         chosen = np.full(len(self._convex), faces is None)
@@ -160,10 +152,10 @@ class Standing:
         return heights_and_setbacks(self.pattern, self.panel.model_copy(update=changes), self.hinge)
 
 
-def inspect_standing(
+def inspect_feasibility(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings, faces: IntArray
 ) -> list[Finding]:
-    """Which convex faces have no panel, and what would save them.
+    """Findings of convex faces that have no panel, with what would save them.
 
     faces : those that have one.
     """
@@ -172,36 +164,34 @@ def inspect_standing(
     lost[faces] = False
     if not lost.any():
         return []
-    standing = Standing(pattern, panel, hinge)
-    hopeless = lost & np.isinf(standing.scales())
+    feasibility = Feasibility(pattern, panel, hinge)
+    hopeless = lost & np.isinf(feasibility.scales())
     findings = []
-    for code, chosen, told in (
+    for code, chosen, described in (
         ("fold-too-far", np.flatnonzero(hopeless), _overfolded),
         ("panel-vanishes", np.flatnonzero(lost & ~hopeless), _vanished),
     ):
         if len(chosen):
-            text, creases = told(standing, chosen)
-            named = tuple(chosen[:_NAMED].tolist())
-            findings.append(
-                Finding(code, Severity.ERROR, text, tuple(creases[:_NAMED].tolist()), named)
-            )
+            text, creases = described(feasibility, chosen)
+            named = first_few(creases), first_few(chosen)
+            findings.append(Finding(code, Severity.ERROR, text, *named))
     return findings
 
 
-def _vanished(standing: Standing, faces: IntArray) -> tuple[str, IntArray]:
+def _vanished(feasibility: Feasibility, faces: IntArray) -> tuple[str, IntArray]:
     """The largest thickness and the smallest sheet with which all of some convex faces have one."""
-    thickness = standing.largest_thickness_mm(faces)
-    scales = standing.scales()[faces]
+    thickness = feasibility.largest_thickness_mm(faces)
+    scales = feasibility.scales()[faces]
     cures = []
     # rounded to the safe side, and still thick enough for the hinges
-    least = least_thickness_mm(standing.panel, standing.hinge)
+    least = least_thickness_mm(feasibility.panel, feasibility.hinge)
     thick = thickness is not None and float(rounded_down(thickness)) >= least
     if thickness is not None and thick:
         cures.append(f"thickness_mm at most {rounded_down(thickness)}")
     cures.append(f"a sheet at least {rounded_up(scales.max())} times as large")
     text = (
-        f"{len(faces)} faces have no panel: the setbacks of their creases leave nothing of them. "
-        f"All of them stand with {', or '.join(cures)}."
+        f"{counted(len(faces), 'face has', 'faces have')} no panel: the setbacks of their creases "
+        f"leave nothing of them. All of them have one with {', or '.join(cures)}."
     )
     if len(faces) > 1:
         text += f" Face {faces[scales.argmax()]} needs most."
@@ -211,16 +201,17 @@ def _vanished(standing: Standing, faces: IntArray) -> tuple[str, IntArray]:
     return text, np.empty(0, np.int64)
 
 
-def _overfolded(standing: Standing, faces: IntArray) -> tuple[str, IntArray]:
-    """Creases that fold so far that no size helps, and the largest angle that can be reached."""
-    creases = standing.overfolded(faces)
-    angles = standing.pattern.edges_foldAngle[creases]
-    limit = standing.largest_limit_deg(faces)
+def _overfolded(feasibility: Feasibility, faces: IntArray) -> tuple[str, IntArray]:
+    """Creases that fold too far at every size, and the largest angle that can be reached."""
+    creases = feasibility.overfolded(faces)
+    angles = feasibility.pattern.edges_foldAngle[creases]
+    limit = feasibility.largest_limit_deg(faces)
     text = (
-        f"{len(creases)} creases fold too far for panels, by up to "
+        f"{counted(len(creases), 'crease folds', 'creases fold')} too far for panels, by up to "
         f"{np.abs(angles).max(initial=0.0):.7g} degrees: no setback leaves room between panels "
         "with their axis between them. "
-        f"{len(faces)} faces beside them have no panel, whatever their size. "
+        f"{counted(len(faces), 'face', 'faces')} beside them "
+        f"{'has' if len(faces) == 1 else 'have'} no panel, whatever their size. "
     )
     cures = []
     if limit is None:
@@ -229,14 +220,13 @@ def _overfolded(standing: Standing, faces: IntArray) -> tuple[str, IntArray]:
         )
     else:
         cures.append(f"set panels.fold_limit_deg to at most {rounded_down(limit)}")
-    lifted = standing.lifted()
-    if (angles < 0).all() and lifted()[faces].all():
-        bare = "" if set(standing.hinge.kinds) == {"none"} else " and hinges.kind = none"
+    lifted = feasibility.lifted()
+    if (angles < 0).all() and lifted.faces_feasible()[faces].all():
+        bare = "" if set(feasibility.hinge.kinds) == {"none"} else " and hinges.kind = none"
         cures.append(
             "lift the panels off the axes of these mountains, with panels.axis = offset, "
             f"panels.axis_mm = {lifted.panel.axis_mm:g}{bare}"
         )
     if cures:
-        said = ", or ".join(cures)
-        text += f"All of them stand if you {said}."
+        text += f"All of them have one if you {', or '.join(cures)}."
     return text, creases

@@ -1,4 +1,4 @@
-"""At which thicknesses and sizes do all panels of a sheet stand, and how far can it fold?"""
+"""The feasible window of a sheet: thicknesses, sizes and fold angles at which it has all panels."""
 
 from __future__ import annotations
 
@@ -8,23 +8,29 @@ from typing import Any
 
 import numpy as np
 
+from fab.errors import counted
 from fab.panels.bevelled_panels import MOST_THICKNESS_MM, PanelSettings
-from fab.panels.feasibility import Standing, least_thickness_mm
-from fab.panels.hinges import HingeSettings
+from fab.panels.feasibility import Feasibility
+from fab.panels.hinges import (
+    HingeSettings,
+    hinges_fit,
+    least_thickness_mm,
+    require_fitting_hinges,
+)
 from fab.panels.inset_limits import rounded_down, rounded_up
 from fab.pattern.crease_pattern import CreasePattern
 
 __all__ = ["Row", "Window", "feasible_window"]
 
-# The table of sizes has these shares of the given thickness.
+# Thicknesses of the table of sizes, as shares of the given one.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 
 
 @dataclass(frozen=True)
 class Row:
-    """At one thickness: how many panels stand, and how large the sheet must be for all of them.
+    """At one thickness: how many faces have a panel, and how large the sheet must be for all.
 
-    scale : times the size of the sheet; None where no size helps.
+    scale : factor by which the sheet is larger then; None where no size helps.
     """
 
     thickness_mm: float
@@ -41,12 +47,12 @@ class Window:
     faces : number of faces; panels : how many of them have a panel as given.
     width_mm : longer side of the flat sheet.
     thickness_mm : as given.
-    thickness_max_mm : the largest at which all panels stand at this size; None where none is.
+    thickness_max_mm : the largest at which all faces have one at this size; None where none is.
     clear_max_mm : the largest of these at which no panels overlap at the target, 0 where they do at
         every one; None where this was not looked for, or no target is known.
-    scale_min : the smallest scale of the sheet at which all stand at this thickness, or None.
+    scale_min : the smallest scale of the sheet at which all have one at this thickness, or None.
     fold_deg : how far the sheet's creases fold at most.
-    fold_max_deg : the largest fold_limit_deg with which all stand as given, at most 180, or None.
+    fold_max_deg : the largest fold limit with which all have one as given, at most 180, or None.
     rows : the same for several thicknesses, rising.
     """
 
@@ -74,8 +80,8 @@ class Window:
 
         table = [f"{row.thickness_mm:<14.4g}{row.panels:<14}{size(row.scale)}" for row in self.rows]
         return [
-            f"{self.panels} of {self.faces} faces have a panel, at width_mm = {self.width_mm:.6g} "
-            f"and thickness_mm = {self.thickness_mm:g}",
+            f"{self.panels} of {counted(self.faces, 'face has', 'faces have')} a panel, at "
+            f"width_mm = {self.width_mm:.6g} and thickness_mm = {self.thickness_mm:g}",
             "all of them have one",
             f"  at this size with {most('thickness_mm', self.thickness_max_mm)}",
             *self._collisions(),
@@ -111,29 +117,41 @@ def feasible_window(
 ) -> Window:
     """The feasible window of a sheet, by panels alone, or with `clear` by pairs of them too.
 
-    clear : up to which thickness, at most the given one, in mm, no panels overlap at the target
-    (`fab.collisions`); None where they overlap at every one.
+    clear : the largest thickness, at most the given one, in mm, at which no panels overlap at the
+    target (`fab.clearance.thickness_limit.collisions`); None where they overlap at every one.
+
+    Raises `InvalidJob` where panels cannot have such hinges.
     """
-    standing = Standing(pattern, panel, hinge)
+    require_fitting_hinges(panel, hinge)
+    feasibility = Feasibility(pattern, panel, hinge)
     given = panel.thickness_mm
-    most = standing.largest_thickness_mm()
+    most = feasibility.largest_thickness_mm()
     apart = None
     if clear is not None and most is not None:
         apart = clear(most) or 0.0
     least = least_thickness_mm(panel, hinge)
+    thicknesses = [
+        thickness
+        for thickness in (round(share * given, 4) for share in _SHARES)
+        if least <= thickness <= MOST_THICKNESS_MM
+        and hinges_fit(panel.model_copy(update={"thickness_mm": thickness}), hinge)
+    ]
     return Window(
         pattern.face_count,
-        int(standing().sum()),
+        int(feasibility.faces_feasible().sum()),
         float(np.ptp(pattern.vertices_coords, axis=0).max()),
         given,
         most,
         apart,
-        standing.least_scale(),
+        feasibility.least_scale(),
         float(np.abs(pattern.edges_foldAngle).max(initial=0.0)),
-        standing.largest_limit_deg(),
+        feasibility.largest_limit_deg(),
         tuple(
-            Row(thickness, int(standing(thickness).sum()), standing.least_scale(thickness))
-            for thickness in (round(share * given, 4) for share in _SHARES)
-            if least <= thickness <= MOST_THICKNESS_MM
+            Row(
+                thickness,
+                int(feasibility.faces_feasible(thickness).sum()),
+                feasibility.least_scale(thickness),
+            )
+            for thickness in thicknesses
         ),
     )

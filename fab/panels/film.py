@@ -1,4 +1,4 @@
-"""What film or fabric lies under all panels?"""
+"""The film or fabric below all panels, in whose middle the axes of the creases lie."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from fab.pattern.outlines import outlines_of
 
 __all__ = ["make_film"]
 
-# Smaller holes are none.
+# Holes of a smaller radius are left out.
 _LEAST_RADIUS_MM = 0.1
 
 
 def make_film(
     pattern: CreasePattern, panels: Panels, settings: HingeSettings, gap_mm: float
 ) -> Bodies:
-    """A film for each piece of the sheet, the axes of the creases in its middle.
+    """A film for each piece of the sheet.
 
     Its outline is that of the sheet; cuts within are as wide as the gap of the panels there. Around
     inner vertices it has holes that end `relief_mm` before the nearest corner of a panel.

@@ -1,11 +1,13 @@
-"""What joins two panels along their crease, and how far must they stay away for it?
+"""Kinds of hinges, their settings, and the setbacks and heights that they need of panels.
 
-Four kinds: a `web`, a thin strip across the gap (`fab.webs`); a `knuckle`, barrels of both panels
-around a pin, printed in place (`fab.knuckles`); a `film` below all panels (`fab.film`); `none`.
+A `web` is a thin strip across the gap (`fab.panels.webs`); a `knuckle` is barrels of both panels
+around a pin, printed in place (`fab.panels.knuckles`); a `film` is below all panels
+(`fab.panels.film`); `none` leaves panels apart.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from fab.errors import InvalidJob
-from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.bevelled_panels import LEAST_THICKNESS_MM, PanelSettings
 from fab.panels.setbacks import Setbacks, setbacks
 from fab.pattern.crease_pattern import CreasePattern
 from fab.settings import Settings
@@ -27,17 +29,20 @@ __all__ = [
     "heights_and_setbacks",
     "heights_over_axes_mm",
     "hinge_setbacks",
+    "hinges_fit",
     "hole_radius_mm",
+    "least_thickness_mm",
+    "require_fitting_hinges",
 ]
 
 HingeKind: TypeAlias = Literal["web", "knuckle", "film", "none"]
 
-# Pins and holes are printed as prisms with so many sides; pins lie within their circle and holes
+# Sides of the prisms as which pins and holes are printed; pins lie within their circle and holes
 # around it, so that they turn with all of their play.
 ROUND_SIDES = 24
 # A lower step from a web to its panel is none: it is lost in single precision.
 _LEAST_STEP_MM = 0.005
-# Barrels have so many sides: one lies on the bed and those beside it rise at 45 degrees.
+# Sides of a barrel: one lies on the bed and those beside it rise at 45 degrees.
 BARREL_SIDES = 8
 
 
@@ -110,44 +115,87 @@ def barrel_radius_mm(panel: PanelSettings) -> float:
 def heights_over_axes_mm(panel: PanelSettings, hinge: HingeSettings) -> tuple[float, float]:
     """Bottom and top of the panels over the axes of their hinges; a film has them in its middle.
 
-    Raises `InvalidJob` where panels cannot have such hinges.
+    >>> heights_over_axes_mm(PanelSettings(thickness_mm=2.0, axis="middle"), HingeSettings())
+    (-1.0, 1.0)
     """
+    if "film" in hinge.kinds:
+        return hinge.film_mm / 2, hinge.film_mm / 2 + panel.thickness_mm
+    return panel.heights_mm
+
+
+def hinges_fit(panel: PanelSettings, hinge: HingeSettings) -> bool:
+    """Whether panels can have such hinges.
+
+    >>> hinges_fit(PanelSettings(thickness_mm=0.4), HingeSettings(web_mm=0.4))
+    False
+    """
+    return next(_misfits(panel, hinge), None) is None
+
+
+def require_fitting_hinges(panel: PanelSettings, hinge: HingeSettings) -> None:
+    """Raise `InvalidJob`, which names the keys at fault, where panels cannot have such hinges."""
+    for misfit in _misfits(panel, hinge):
+        raise InvalidJob(misfit)
+
+
+def _misfits(panel: PanelSettings, hinge: HingeSettings) -> Iterator[str]:
+    """Everything about panels and hinges that does not go together, as messages for the user."""
     thickness, kinds = panel.thickness_mm, set(hinge.kinds)
     low, high = panel.heights_mm
     if "film" in kinds and len(kinds) > 1:
-        raise InvalidJob(
+        yield (
             f"hinges.kind = film with other hinges ({', '.join(sorted(kinds - {'film'}))}) on some "
             "creases: a film lies under all of them. Give film to all or to none"
         )
     if "film" in kinds and panel.axis != "bottom":
-        raise InvalidJob(
+        yield (
             f"panels.axis = {panel.axis} with hinges.kind = film: the axes lie in the film. Leave "
             "panels.axis out"
         )
-    if "web" in kinds and hinge.web_mm > thickness - _LEAST_STEP_MM:
-        raise InvalidJob(
+    if "web" in kinds and thickness < hinge.web_mm + _LEAST_STEP_MM:
+        yield (
             f"hinges.web_mm = {hinge.web_mm:g} must be below panels.thickness_mm = "
             f"{thickness:g}, by {_LEAST_STEP_MM:g} at least: a web is thinner than its panels"
         )
     if "web" in kinds and not low <= 0 <= high:
-        raise InvalidJob(
+        yield (
             f"panels.axis_mm = {panel.axis_mm:g} must be 0 to panels.thickness_mm = {thickness:g} "
             "for webs: they lie at the axis. Change it, or hinges.kind"
         )
-    if "knuckle" in kinds:
-        least = 2 * (hole_radius_mm(hinge) + hinge.wall_mm)
-        if low != -high:
-            raise InvalidJob(
-                f"panels.axis = {panel.axis} with knuckles: their axis lies in the middle. Set "
-                "panels.axis = middle, or change hinges.kind"
-            )
-        if thickness < least:
-            raise InvalidJob(
-                f"panels.thickness_mm = {thickness:g} must be at least {least:.4g} for knuckles: "
-                "twice pin_mm / 2 + play_mm + wall_mm, and a little for corners. Raise it, or "
-                "lower those"
-            )
-    return (hinge.film_mm / 2, hinge.film_mm / 2 + thickness) if "film" in kinds else (low, high)
+    if "knuckle" in kinds and low != -high:
+        yield (
+            f"panels.axis = {panel.axis} with knuckles: their axis lies in the middle. Set "
+            "panels.axis = middle, or change hinges.kind"
+        )
+    if "knuckle" in kinds and thickness < _knuckle_thickness_mm(hinge):
+        yield (
+            f"panels.thickness_mm = {thickness:g} must be at least "
+            f"{_knuckle_thickness_mm(hinge):.4g} for knuckles: twice pin_mm / 2 + play_mm + "
+            "wall_mm, and a little for corners. Raise it, or lower one of these"
+        )
+
+
+def _knuckle_thickness_mm(hinge: HingeSettings) -> float:
+    """The least thickness of panels with knuckles: a hole for the pin with a wall on both sides."""
+    return 2 * (hole_radius_mm(hinge) + hinge.wall_mm)
+
+
+def least_thickness_mm(panel: PanelSettings, hinge: HingeSettings) -> float:
+    """The least thickness at which panels reach up to their axes, and can have such hinges.
+
+    Of hinges that fit the panels as given. Knuckles keep panels with axis = offset as thick as they
+    are: their axis is in the middle at that thickness alone.
+
+    >>> least_thickness_mm(PanelSettings(), HingeSettings(web_mm=0.4))
+    0.405
+    """
+    least = max(LEAST_THICKNESS_MM, panel.axis_mm or 0.0)
+    if "web" in hinge.kinds:
+        least = max(least, hinge.web_mm + _LEAST_STEP_MM)
+    if "knuckle" in hinge.kinds:
+        exact = panel.thickness_mm if panel.axis == "offset" else 0.0
+        least = max(least, exact, _knuckle_thickness_mm(hinge))
+    return least
 
 
 def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.str_]:
@@ -155,8 +203,8 @@ def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.
     mountain, valley, flat = settings.kinds
     letter = pattern.edges_assignment
     out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
-    one, two = pattern.edges_faces.T
-    out[(two < 0) | (one == two) | (letter == "C")] = "none"
+    first, second = pattern.edges_faces.T
+    out[(second < 0) | (first == second) | (letter == "C")] = "none"
     return out
 
 
@@ -167,6 +215,8 @@ def hinge_setbacks(
 
     A web or film of thickness w and length 2 s bent by rho stretches its outside by
     w rho / (4 s). Knuckles need room for the barrels of the other panel.
+
+    Creases that fold over the limit of the panels count as folded by the limit.
     """
     kinds = crease_kinds(pattern, settings)
     rho = np.abs(np.radians(pattern.edges_foldAngle))
@@ -181,10 +231,7 @@ def hinge_setbacks(
 def heights_and_setbacks(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
 ) -> tuple[tuple[float, float], Setbacks]:
-    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back.
-
-    Raises `InvalidJob` where panels cannot have such hinges.
-    """
+    """Bottom and top of the panels of a pattern over their axes, mm, and what they are set back."""
     heights = heights_over_axes_mm(panel, hinge)
     back = setbacks(
         pattern,

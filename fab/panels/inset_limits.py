@@ -1,4 +1,4 @@
-"""How thick may a panel be, and how small its face, before the setbacks leave nothing of it?
+"""Limits of insets: the thickness and scale up to which setbacks leave something of a face.
 
 What is left of a convex face at one height are the points x with n . x >= d for all its sides. Each
 d grows in proportion with a radius, a thickness or a scale, so the largest value that leaves room
@@ -26,7 +26,7 @@ __all__ = [
     "scale_bounds",
 ]
 
-# Bounds found by halves are exact to this share of themselves.
+# Bounds found by bisection are exact to this share of themselves.
 _EXACT = 1e-9
 # Faces with more sides are left to a solver, one by one.
 _MOST_SIDES = 12
@@ -38,7 +38,7 @@ def inradii(sides: Sides, setback_mm: FloatArray) -> FloatArray:
     """Radius of the widest circle behind the setbacks of each convex face, mm, shape (nf,).
 
     setback_mm : of every edge, shape (ne,). Negative where nothing is left: a circle would fit if
-    all setbacks were less by so much. Minus infinity behind infinite setbacks.
+    all setbacks were less by that amount. Minus infinity behind infinite setbacks.
     """
     depth, setback = _depths(sides), setback_mm[sides.edges]
     exists = _all_finite(sides, depth + setback)
@@ -50,7 +50,7 @@ def inradii(sides: Sides, setback_mm: FloatArray) -> FloatArray:
 
 
 def least_scales(sides: Sides, setback_mm: FloatArray, radius_mm: float) -> FloatArray:
-    """How many times as large each convex face is with a circle of a given radius, shape (nf,).
+    """The scale at which each convex face has room for a circle of a given radius, shape (nf,).
 
     setback_mm : of every edge, shape (ne,), the same at every scale. Infinite behind infinite
     setbacks, and for faces without area.
@@ -67,10 +67,10 @@ def least_scales(sides: Sides, setback_mm: FloatArray, radius_mm: float) -> Floa
 def scale_bounds(
     sides: Sides, back: Setbacks, heights_mm: tuple[float, float], radius_mm: float
 ) -> FloatArray:
-    """How many times as large each convex face must be for its panel to stand, shape (nf,).
+    """The least scale at which each convex face has a panel, shape (nf,).
 
-    heights_mm : bottom and top of the panels, over their axes. A panel stands where both have a
-    circle of a given radius. Infinite where no size helps.
+    heights_mm : bottom and top of the panels, over their axes. A panel is feasible where a circle
+    of a given radius fits into both. Infinite where no size helps.
     """
     low, high = (least_scales(sides, back.at(z), radius_mm) for z in heights_mm)
     return np.maximum(low, high)
@@ -79,7 +79,11 @@ def scale_bounds(
 def largest_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
     """The largest value between two bounds at which something holds; it holds below that as well.
 
-    Found by halves, to 1e-9 of itself; None where it does not even hold at the lower bound.
+    low, high : above 0. Found by bisection, to 1e-9 of itself; None where it does not even hold at
+    the lower bound.
+
+    >>> round(largest_where(lambda x: x**2 <= 2, 1.0, 1e6), 6)
+    1.414214
     """
     if not holds(low):
         return None
@@ -93,12 +97,20 @@ def largest_where(holds: Callable[[float], bool], low: float, high: float) -> fl
 
 
 def rounded_down(bound: float) -> str:
-    """A bound from above in four digits, none of them too large."""
+    """An upper bound in four digits, rounded to the safe side.
+
+    >>> rounded_down(3.14159)
+    '3.141'
+    """
     return f"{Decimal(bound).normalize(Context(prec=4, rounding=ROUND_FLOOR)):f}"
 
 
 def rounded_up(bound: float) -> str:
-    """A bound from below in four digits, none of them too small."""
+    """A lower bound in four digits, rounded to the safe side.
+
+    >>> rounded_up(3.14159)
+    '3.142'
+    """
     return f"{Decimal(bound).normalize(Context(prec=4, rounding=ROUND_CEILING)):f}"
 
 

@@ -1,4 +1,4 @@
-"""How far does a panel stay away from each of its creases, at every height?
+"""Setbacks: the distance that a panel keeps from each of its creases, at every height.
 
 The hinge axes lie at height z = 0. At a crease that folds by rho, a panel is set back by
 
@@ -62,15 +62,15 @@ def setbacks(
     heights_mm : bottom and top of the panels, over the axes. gap_mm : least gap when flat.
     clearance_mm : least gap at the target, between panels with a common crease.
     hinge_mm : shape (ne,), the setback that the hinge of each crease needs. limit_deg : creases
-    that fold further are treated as if they folded so far.
+    that fold further count as folded by that angle.
 
     Borders that meet each other in the folded form are set back as creases of that angle are.
-    Infinite where the angle leaves no clearance whatever the setback: at 180 degrees, unless the
-    axis lies outside of the panels on the side that opens.
+    Infinite where the angle leaves no clearance at any setback: at 180 degrees, unless the axis is
+    outside of the panels on the side that opens.
     """
     shared = pattern.edges_faces[:, 1] >= 0
     angle = pattern.edges_foldAngle.copy()
-    if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not get to each other
+    if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not meet
         closing, closing_angle = closing_edges(pattern)
         shared[closing], angle[closing] = True, closing_angle[:, None]
     half = np.radians(np.clip(angle, -limit_deg, limit_deg)) / 2
@@ -87,12 +87,12 @@ def setbacks(
     axis = np.maximum(np.maximum(gap_mm / 2, needed), hinge_mm)
     axis[~shared] = 0.0
     with np.errstate(invalid="ignore"):
-        left = 2 * (axis * cosine + off * sine)
+        clearance = 2 * (axis * cosine + off * sine)
     return Setbacks(
         axis,
         np.where(shared & valley, slope, 0.0),
         np.where(shared & ~valley, slope, 0.0),
-        np.where(shared, left, np.nan),
+        np.where(shared, clearance, np.nan),
     )
 
 
@@ -126,10 +126,10 @@ def sides_of(pattern: CreasePattern) -> Sides:
     corners, offsets = pattern.faces_vertices, pattern.faces_offsets
     following = corners[next_corner(offsets)]
     start = pattern.vertices_coords[corners]
-    way = pattern.vertices_coords[following] - start
-    length = np.hypot(*way.T)
+    side = pattern.vertices_coords[following] - start
+    length = np.hypot(*side.T)
     with np.errstate(invalid="ignore", divide="ignore"):
-        along = way / length[:, None]
+        along = side / length[:, None]
     edges = edges_between(pattern, np.column_stack([corners, following]))
     inward = np.column_stack([-along[:, 1], along[:, 0]])
     return Sides(start, along, inward, length, edges, offsets)

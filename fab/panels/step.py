@@ -1,4 +1,4 @@
-"""How does a thick sheet become a STEP file that CAD programs open with its names and colours?"""
+"""STEP files of a thick sheet, which CAD programs open with its names and colours."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def step_bytes(sheet: ThickSheet, name: str, coords: FloatArray | None = None) -
         where that state has them. Without it, all bodies of the flat sheet.
 
     OpenCASCADE numbers the uses of parts in an assembly by a counter of the running process, and
-    writes colours in the order of memory addresses. So uses are numbered from 1 here, and the
-    colours are written by ourselves, one style for all solids that share it.
+    writes colours in the order of memory addresses. So uses are numbered from 1, and colours are
+    written without it, one style for all solids that share a colour.
     """
     from build123d import Compound, export_step
 
@@ -54,7 +54,7 @@ def _styles(body: str, colours: list[Rgb]) -> str:
     solids = re.findall(r"^#(\d+) = MANIFOLD_SOLID_BREP\(", body, re.MULTILINE)
     context = re.search(r"^#(\d+) = \( GEOMETRIC_REPRESENTATION_CONTEXT\(3\)", body, re.MULTILINE)
     if context is None or len(solids) != len(colours):
-        raise RuntimeError(f"STEP file with {len(solids)} solids, {len(colours)} were given")
+        raise RuntimeError(f"STEP file with {len(solids)} solids for {len(colours)} colours")
     last = body.rindex("\n#") + 2
     number = itertools.count(int(body[last : body.index(" ", last)]) + 1)
     lines: list[str] = []

@@ -1,4 +1,4 @@
-"""Which bodies is a thick sheet made of, and with which face does each of them move?"""
+"""A thick sheet: the solid bodies of a crease pattern, and the face that each moves with."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ from fab.errors import Finding
 from fab.geometry.bodies import Bodies, bodies_of, concatenated
 from fab.panels.alignment_holes import drilled
 from fab.panels.bevelled_panels import Panels, PanelSettings, make_panels
-from fab.panels.feasibility import inspect_standing
+from fab.panels.feasibility import inspect_feasibility
 from fab.panels.film import make_film
 from fab.panels.hinge_room import crease_sides
-from fab.panels.hinges import HingeSettings, crease_kinds, heights_and_setbacks
-from fab.panels.knuckles import Knuckles, make_knuckles, with_knuckles
+from fab.panels.hinges import (
+    HingeSettings,
+    crease_kinds,
+    heights_and_setbacks,
+    require_fitting_hinges,
+)
+from fab.panels.knuckled_panels import with_knuckles
+from fab.panels.knuckles import Knuckles, make_knuckles
 from fab.panels.webs import make_webs
 from fab.pattern.crease_pattern import CreasePattern
-from fab.pattern.face_poses import face_poses
-from solver.vectors import BoolArray, FloatArray, IntArray
+from solver.vectors import BoolArray, IntArray
 
 __all__ = ["ThickSheet", "rigid_sheet", "thicken"]
 
@@ -30,7 +35,7 @@ class ThickSheet:
     Attributes
     ----------
     pattern : in mm; panel, hinge : the settings that it is made with.
-    panels : what stands on its faces, without hinges.
+    panels : the panels of its faces, without hinges.
     bodies : all solids: first one for each panel, with its knuckles, then webs, then films.
     names : such as "panel_3", "hinge_12" and "film_0", by face and by edge.
     faces : shape (n,), the face that each body moves with; -1 where it bends, as webs and films do.
@@ -60,25 +65,18 @@ class ThickSheet:
         """Numbers of the bodies that move with a face."""
         return np.flatnonzero(self.faces >= 0)
 
-    def posed(self, coords: FloatArray) -> Bodies:
-        """The rigid bodies, in the order of `rigid`, where a folded state has their faces.
-
-        coords : shape (nv, 3), mm, of the pattern's vertices.
-        """
-        turns, shifts = face_poses(self.pattern, coords)
-        owner = self.faces[self.rigid]
-        return self.bodies.chosen(self.rigid).moved(turns[owner], shifts[owner])
-
 
 def rigid_sheet(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
 ) -> tuple[ThickSheet, list[Finding]]:
     """Panels with their knuckles, without what bends: all that can collide when folded.
 
-    Of faces without a panel those that are not convex are named; for the others see `fab.standing`.
+    Of faces without a panel those that are not convex are named; for the others see
+    `fab.panels.feasibility`.
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
+    require_fitting_hinges(panel, hinge)
     heights, back = heights_and_setbacks(pattern, panel, hinge)
     panels, findings = make_panels(pattern, heights, back)
     knuckles, without = make_knuckles(pattern, panels, hinge)
@@ -112,13 +110,13 @@ def rigid_sheet(
 def thicken(
     pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
 ) -> tuple[ThickSheet, list[Finding]]:
-    """Panels and hinges of a pattern, and what is to be told of them.
+    """Panels and hinges of a pattern, and findings about them.
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
     rigid, findings = rigid_sheet(pattern, panel, hinge)
     panels = rigid.panels
-    findings = [*inspect_standing(pattern, panel, hinge, panels.faces), *findings]
+    findings = [*inspect_feasibility(pattern, panel, hinge, panels.faces), *findings]
     webs, without = make_webs(pattern, panels, hinge)
     findings += without
     held = [webs.creases, rigid.held]

@@ -1,4 +1,4 @@
-"""Which thin strips join panels across their gaps?
+"""Webs: thin strips that join panels across their gaps.
 
 A web lies at the height of the axes, from panel to panel. Around a vertex of the pattern all webs
 end beyond the farthest corner of its panels, so that the vertex stays open: a relief hole.
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import Bodies, stacked
 from fab.panels.bevelled_panels import Panels
 from fab.panels.hinge_room import crease_runs, crease_sides, vertex_distances
@@ -28,9 +28,9 @@ class Webs:
     Attributes
     ----------
     bodies : one for each web, from panel to panel.
-    reaching : the same ones, reaching a little into their panels, to be joined with them.
+    reaching : the same webs, a little into their panels, to be joined with them.
     creases : the edge of each web, shape (n,).
-    ends : shape (n, 2), from where to where it runs, mm along its crease.
+    ends : shape (n, 2), where each begins and ends, mm along its crease.
     heights_mm : bottom and top of all webs, over the axes.
     """
 
@@ -41,14 +41,17 @@ class Webs:
     heights_mm: tuple[float, float]
 
 
-# Webs reach so far into their panels where both become one body.
+# How far webs reach into their panels where both become one body.
 _REACH_MM = 1e-3
 
 
 def make_webs(
     pattern: CreasePattern, panels: Panels, settings: HingeSettings
 ) -> tuple[Webs, list[Finding]]:
-    """One web for each crease of that kind that has panels on both sides and room between them."""
+    """One web for each crease of that kind that has panels on both sides and room between them.
+
+    A finding names the creases that are too short for one.
+    """
     low_mm, high_mm = panels.heights_mm
     below = float(np.clip(-settings.web_mm / 2, low_mm, high_mm - settings.web_mm))
     heights = below, below + settings.web_mm
@@ -56,20 +59,20 @@ def make_webs(
     first, second = crease_sides(pattern, panels)
     chosen = crease_kinds(pattern, settings) == "web"
     creases = np.flatnonzero((first >= 0) & (second >= 0) & chosen)
-    one, two = first[creases], second[creases]
-    length = panels.sides.length_mm[one]
+    first, second = first[creases], second[creases]
+    length = panels.sides.length_mm[first]
     _, hole = vertex_distances(pattern, panels, levels)
     hole[~inner_vertices(pattern)] = 0.0
     hole = hole[pattern.edges_vertices[creases]]
-    low, high = crease_runs(panels, one, two, levels, up_to_axis=False).T
+    low, high = crease_runs(panels, first, second, levels, up_to_axis=False).T
     low = np.maximum(low, hole[:, 0]) + settings.relief_mm
     high = np.minimum(high, length - hole[:, 1]) - settings.relief_mm
     fits = high - low >= settings.web_mm
     findings = _missing(creases[~fits])
-    creases, one, low, high = creases[fits], one[fits], low[fits], high[fits]
+    creases, side, low, high = creases[fits], first[fits], low[fits], high[fits]
     off = np.stack([panels.setbacks.at(z)[creases] for z in levels.tolist()], axis=1)
-    u, normal = panels.sides.along[one], panels.sides.inward[one]
-    origin = panels.sides.start[one]
+    u, normal = panels.sides.along[side], panels.sides.inward[side]
+    origin = panels.sides.start[side]
 
     def strips(reach_mm: float) -> Bodies:
         across = off + reach_mm
@@ -97,8 +100,9 @@ def _missing(creases: IntArray) -> list[Finding]:
         Finding(
             "hinge-missing",
             Severity.WARNING,
-            f"{len(creases)} creases are too short for a web between their panels' corners. "
+            f"{counted(len(creases), 'crease is', 'creases are')} too short for a web between "
+            f"{'its' if len(creases) == 1 else 'their'} panels' corners. "
             "Lower gap_mm or relief_mm, or enlarge the sheet.",
-            creases=tuple(creases[:20].tolist()),
+            creases=first_few(creases),
         )
     ]

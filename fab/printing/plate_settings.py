@@ -1,4 +1,4 @@
-"""What does a person say of the plates for a sheet in parts, and of the joints between these?"""
+"""Settings of the plates for a sheet in parts, and of the joints between these."""
 
 from __future__ import annotations
 

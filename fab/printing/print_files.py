@@ -1,27 +1,28 @@
-"""Which files does a thick sheet become, for printers and CAD programs, and what is told of them?
+"""Files of a thick sheet for printers and CAD programs, and the report that goes with them.
 
-crease pattern -> panels, hinges -> joined body -> checks -> STEP, STL, 3MF, PNG
+crease pattern -> panels, hinges -> joined body -> checks -> plates -> STEP, STL, 3MF, PNG
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
 import numpy as np
 
-from fab.clearance.thick_inspection import SolidFigures, inspect_thick
-from fab.errors import Finding, InvalidJob, Severity
-from fab.folding.folded_states import folded_states, with_free_angles
+from fab.clearance.thick_inspection import inspect_thick
+from fab.errors import Finding, InvalidJob, Severity, counted
+from fab.folding.folded_states import FoldedState, folded_states, with_free_angles
 from fab.geometry.bodies import TriangleMesh, bodies_of
 from fab.outputs import Made, box_mm, with_report
-from fab.panels.thick_sheet import thicken
+from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern
 from fab.printing.plates import Plates, make_plates
+from fab.printing.printability import inspect_print, inspect_webs, print_figures
 from fab.printing.stl import body_stls, inspect_stl, stl_bytes
 from fab.printing.thick_settings import UNKNOWN, PrintWith, ThickSettings
 from fab.printing.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
@@ -40,7 +41,7 @@ class ThickFormat(StrEnum):
     ZIP = "zip"
 
 
-# What is made where nobody says what: a zip of all bodies is for other programs.
+# What is made by default: a zip of all bodies is for other programs.
 ORDINARY = (ThickFormat.STEP, ThickFormat.STL, ThickFormat.THREEMF, ThickFormat.PNG)
 
 
@@ -52,18 +53,35 @@ class ThickFiles:
     ----------
     data : bytes of each file, by what follows the name: ".step", "_plate_1.stl"; empty where there
         is no panel.
-    plates : which part is printed on which plate, and how they are joined (`fab.plates`); None
-        where the sheet is printed in one.
-    figures : what the check of the bodies measured; None where there is no panel.
+    plates : which part is printed on which plate, and how they are joined
+        (`fab.printing.plates`); None where the sheet is printed in one.
+    figures : what was measured of bodies, print and clearance, by the keys of a report; None where
+        there is no panel.
     print_mm : sides of the joined body's box, flat; None where there is none.
     findings : of panels, hinges and checks.
     """
 
     data: Mapping[str, bytes]
     plates: dict[str, Any] | None
-    figures: SolidFigures | None
+    figures: dict[str, Any] | None
     print_mm: list[float] | None
     findings: tuple[Finding, ...]
+
+
+@dataclass(frozen=True)
+class _Checked:
+    """A thick sheet that was checked.
+
+    Attributes
+    ----------
+    joined : the surface of all its bodies. figures : as in `ThickFiles`.
+    reached : the folded state up to which it was checked; None where that is the flat one.
+    """
+
+    sheet: ThickSheet
+    joined: TriangleMesh
+    figures: dict[str, Any]
+    reached: FoldedState | None
 
 
 def thick_files(
@@ -76,81 +94,128 @@ def thick_files(
 ) -> ThickFiles:
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
-    name : what files and pictures call it.
+    name : what files and pictures call it; settings : `printed` with `print_with`.
 
-    Raises `InvalidJob` for sheets so large that single precision does not tell their bottom from
-    their top.
+    Raises `InvalidJob` for sheets so large that single precision does not resolve the thickness of
+    their panels.
     """
-    from fab.geometry.booleans import joined_mesh, told_apart_mm
-    from fab.panels.step import step_bytes
-
-    settings = settings.printed(print_with)
-    printer = print_with.printer
     with clock.stage("states"):
         states, findings = folded_states(pattern, progress=clock.progress)
     with clock.stage("panels"):
         free = with_free_angles(pattern, states)
         sheet, found = thicken(free, settings.panels, settings.hinges)
-    findings += found
+    findings = [*findings, *found]
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
-    thickness, nearest = settings.panels.thickness_mm, told_apart_mm(sheet.bodies)
-    if thickness <= nearest:
-        width = float(np.ptp(pattern.vertices_coords, axis=0).max())
-        raise InvalidJob(
-            f"a flat sheet of {width:.4g} mm with panels.thickness_mm = {thickness:g}: STL and 3MF "
-            f"tell nothing apart that is nearer than {nearest:.4g} mm there, and the thickness "
-            "must be more. Make the sheet smaller, or raise the thickness"
-        )
+    checked, found = _checked(sheet, states, settings, print_with, clock)
+    findings += found
+    plates: Plates | None = None
+    if print_with.printer is not None and _divisible(settings, findings):
+        with clock.stage("plates") as step:
+            plates, found = make_plates(sheet, print_with.printer.bed_mm, settings.plates, step)
+        findings = [finding for finding in findings if finding.code != "print-too-large"]
+        findings += [_divided(plates), *found]
+    data, found = _files(checked, plates, name, formats, clock)
+    return ThickFiles(
+        data,
+        None if plates is None else plates.guide(),
+        checked.figures,
+        box_mm(checked.joined.vertices_coords),
+        (*findings, *found),
+    )
+
+
+def _checked(
+    sheet: ThickSheet,
+    states: Sequence[FoldedState],
+    settings: ThickSettings,
+    print_with: PrintWith,
+    clock: Clock,
+) -> tuple[_Checked, list[Finding]]:
+    """The sheet with its joined surface, checked for clearance and for its printer."""
+    from fab.geometry.booleans import joined_mesh
+
+    _require_resolved(sheet)
+    limit_deg = settings.panels.fold_limit_deg
+    printer, material = print_with.printer, print_with.material
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
-        figures, found = inspect_thick(
-            sheet,
-            joined,
-            states,
-            limit_deg=settings.panels.fold_limit_deg,
-            printer=printer,
-            material=print_with.material,
-            progress=clock.progress,
+        measured, findings = inspect_thick(
+            sheet, joined, states, limit_deg=limit_deg, progress=clock.progress
         )
-        # what has no hinges is loose by intent
-        apart = set(settings.hinges.kinds) == {"none"}
-        told = [finding for finding in found if not (apart and finding.code == "panels-loose")]
-        findings += told
-    plates: Plates | None = None
-    if printer is not None and _divisible(settings, findings):
-        with clock.stage("plates") as step:
-            plates, found = make_plates(sheet, printer.bed_mm, settings.plates, step)
-        findings = [f for f in findings if f.code != "print-too-large"]
-        findings += [_divided(plates), *found]
-    data: dict[str, bytes] = {}
-    if ThickFormat.STEP in formats:
-        with clock.stage("step"):
-            data[".step"] = step_bytes(sheet if plates is None else plates.sheet, name)
-    if ThickFormat.STL in formats:
-        with clock.stage("stl"):
-            surfaces = {".stl": joined} if plates is None else _plate_surfaces(plates)
-            data |= {end: stl_bytes(surface) for end, surface in surfaces.items()}
-            for surface in surfaces.values():
-                findings += inspect_stl(surface)
-    if ThickFormat.THREEMF in formats:
-        with clock.stage("3mf"):
-            whole = {".3mf": [PrintObject(name, tuple(sheet_parts(sheet)))]}
-            prints = whole if plates is None else _plate_objects(plates)
-            data |= {end: threemf_bytes(objects, name) for end, objects in prints.items()}
-    if ThickFormat.ZIP in formats:
-        with clock.stage("zip"):
-            data["_bodies.zip"] = body_stls(sheet if plates is None else plates.sheet)
-    if ThickFormat.PNG in formats:
+        if set(settings.hinges.kinds) == {"none"}:  # loose by intent
+            findings = [finding for finding in findings if finding.code != "panels-loose"]
+        if printer is not None:
+            findings += inspect_print(sheet, joined, printer)
+        if material is not None:
+            findings += inspect_webs(sheet, material, limit_deg)
+        prints = print_figures(measured.solids.volume_mm3, joined, material)
+    figures = {
+        **dataclasses.asdict(measured.solids),
+        **dataclasses.asdict(prints),
+        **dataclasses.asdict(measured.clearance),
+    }
+    reached = len(measured.clearance.states)  # as far as the panels are made for
+    last = states[reached - 1] if reached > 1 else None
+    return _Checked(sheet, joined, figures, last), findings
+
+
+def _require_resolved(sheet: ThickSheet) -> None:
+    """Raise `InvalidJob` where files in single precision do not resolve the panels' thickness."""
+    from fab.geometry.booleans import told_apart_mm
+
+    thickness, nearest = sheet.panel.thickness_mm, told_apart_mm(sheet.bodies)
+    if thickness <= nearest:
+        width = float(np.ptp(sheet.pattern.vertices_coords, axis=0).max())
+        raise InvalidJob(
+            f"a flat sheet of {width:.4g} mm with panels.thickness_mm = {thickness:g}: STL and 3MF "
+            f"files do not resolve distances up to {nearest:.4g} mm there, and the thickness must "
+            "be larger. Make the sheet smaller, or raise the thickness"
+        )
+
+
+def _files(
+    checked: _Checked,
+    plates: Plates | None,
+    name: str,
+    formats: Collection[ThickFormat],
+    clock: Clock,
+) -> tuple[dict[str, bytes], list[Finding]]:
+    """The files of a sheet, in one or on plates, by what follows the name; findings about them."""
+    from fab.panels.step import step_bytes
+
+    sheet = checked.sheet if plates is None else plates.sheet
+    surfaces = {".stl": checked.joined} if plates is None else _plate_surfaces(plates)
+
+    def objects() -> dict[str, bytes]:
+        whole = {".3mf": [PrintObject(name, tuple(sheet_parts(checked.sheet)))]}
+        prints = whole if plates is None else _plate_objects(plates)
+        return {end: threemf_bytes(each, name) for end, each in prints.items()}
+
+    def picture() -> dict[str, bytes]:
         from fab.printing.thick_picture import thick_png_bytes
 
-        with clock.stage("thick png"):
-            reached = states[len(figures.states) - 1]  # as far as the panels are made for
-            folded = reached if len(figures.states) > 1 else None
-            data[".png"] = thick_png_bytes(sheet, name, folded)
-    guide = None if plates is None else plates.guide()
-    return ThickFiles(data, guide, figures, box_mm(joined.vertices_coords), tuple(findings))
+        return {".png": thick_png_bytes(checked.sheet, name, checked.reached)}
+
+    writers: dict[ThickFormat, tuple[str, Callable[[], dict[str, bytes]]]] = {
+        ThickFormat.STEP: ("step", lambda: {".step": step_bytes(sheet, name)}),
+        ThickFormat.STL: (
+            "stl",
+            lambda: {end: stl_bytes(surface) for end, surface in surfaces.items()},
+        ),
+        ThickFormat.THREEMF: ("3mf", objects),
+        ThickFormat.ZIP: ("zip", lambda: {"_bodies.zip": body_stls(sheet)}),
+        ThickFormat.PNG: ("thick png", picture),
+    }
+    data: dict[str, bytes] = {}
+    for kind, (stage, write) in writers.items():
+        if kind in formats:
+            with clock.stage(stage):
+                data |= write()
+    if ThickFormat.STL not in formats:
+        return data, []
+    return data, [finding for surface in surfaces.values() for finding in inspect_stl(surface)]
 
 
 def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:
@@ -163,9 +228,9 @@ def _divided(plates: Plates) -> Finding:
     kinds = Counter(joint.kind for joint in plates.joints)
     joints = ", ".join(f"{count} by {kind}" for kind, count in sorted(kinds.items()))
     text = (
-        f"larger than the bed: printed in {len(plates.parts)} parts on {plates.count} plates, "
-        f"joined at {len(plates.joints)} creases ({joints or 'none'}). plates in the report says "
-        "which goes where."
+        f"larger than the bed: printed in {counted(len(plates.parts), 'part')} on "
+        f"{counted(plates.count, 'plate')}, joined at {counted(len(plates.joints), 'crease')} "
+        f"({joints or 'none'}). The key plates of the report has the place of each part."
     )
     return Finding("sheet-divided", Severity.NOTE, text)
 
@@ -208,13 +273,12 @@ def make_thick(
     A sheet of web hinges that is larger than its printer's bed gets an .stl and a .3mf for each
     plate, NAME_thick_plate_1.stl and so on.
 
-    pattern : in millimetres; findings : of its reader, told again in the report, which is the file
-    `name`_thick_report.json. progress : called with (stage, steps done, steps in the stage).
+    pattern : in millimetres; findings : of its reader, listed first in the report, which is the
+    file NAME_thick_report.json. progress : called with (stage, steps done, steps in the stage).
     """
     clock = Clock(progress)
     settings = settings.printed(print_with)
     made = thick_files(pattern, name, settings, formats, clock, print_with)
-    told = (*findings, *made.findings)
     printer, material = print_with.printer, print_with.material
     files = {f"{name}_thick{end}": data for end, data in made.data.items()}
     report: dict[str, Any] = {
@@ -224,8 +288,8 @@ def make_thick(
         "material": None if material is None else material.model_dump(mode="json"),
         "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
         "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
-        "solids": None if made.figures is None else dataclasses.asdict(made.figures),
+        "solids": made.figures,
         "plates": made.plates,
         "seconds": clock.seconds,
     }
-    return with_report(files, f"{name}_thick_report.json", report, told)
+    return with_report(files, f"{name}_thick_report.json", report, (*findings, *made.findings))

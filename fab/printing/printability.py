@@ -1,24 +1,54 @@
-"""Can a printer print the bodies flat, as they lie on its bed, and do their webs last?"""
+"""Printability of a thick sheet, flat on the bed of a printer, and whether its webs last."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import TriangleMesh
 from fab.panels.bevelled_panels import Panels
 from fab.panels.thick_sheet import ThickSheet
 from fab.printing.printers import Printer, PrintMaterial
 from solver.vectors import FloatArray, IntArray, cross, norm, unit
 
-__all__ = ["bed_area_mm2", "inspect_print", "inspect_webs", "panel_widths_mm"]
+__all__ = [
+    "PrintFigures",
+    "bed_area_mm2",
+    "inspect_print",
+    "inspect_webs",
+    "panel_widths_mm",
+    "print_figures",
+]
 
 _ON_BED_MM = 1e-6
 # Sides that are level but for rounding are bridges, not overhangs.
 _LEVEL_DEG = 89.9
-# Heights that are off a whole number of layers by a larger share are told.
+# Heights that are off a whole number of layers by a larger share have a finding.
 _OFF_LAYER = 0.05
-_NAMED = 20
+
+
+@dataclass(frozen=True)
+class PrintFigures:
+    """What a print of a thick sheet needs.
+
+    Attributes
+    ----------
+    mass_g : of all solids in the print material; None without one.
+    bed_area_mm2 : of the sides that lie on the printer's bed.
+    """
+
+    mass_g: float | None
+    bed_area_mm2: float
+
+
+def print_figures(
+    volume_mm3: float, joined: TriangleMesh, material: PrintMaterial | None
+) -> PrintFigures:
+    """The figures of a print. volume_mm3 : of all bodies; joined : their common surface."""
+    mass = None if material is None else volume_mm3 * material.density_kg_m3 * 1e-6
+    return PrintFigures(mass, bed_area_mm2(joined))
 
 
 def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> list[Finding]:
@@ -35,7 +65,11 @@ def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> 
 
 
 def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -> list[Finding]:
-    """Findings about webs that break: too thick for their length and fold angle (`fab.hinges`)."""
+    """Findings about webs that break: too thick for their length and fold angle.
+
+    limit_deg : creases that fold further count as folded by that angle. See
+    `fab.panels.hinges.hinge_setbacks` for their strain.
+    """
     webs = _webs(sheet)
     creases = sheet.creases[webs]
     if not len(webs):
@@ -45,9 +79,10 @@ def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -
             Finding(
                 "hinge-breaks",
                 Severity.WARNING,
-                f"{len(webs)} webs are of a material that breaks where it bends. Print them of PP "
-                "or TPU, or choose other hinges.",
-                creases=tuple(creases[:_NAMED].tolist()),
+                f"{counted(len(webs), 'web is', 'webs are')} of a material that breaks where it "
+                f"bends. Print {'it' if len(webs) == 1 else 'them'} of PP or TPU, or choose other "
+                "hinges.",
+                creases=first_few(creases),
             )
         ]
     rho = np.radians(np.minimum(np.abs(sheet.pattern.edges_foldAngle[creases]), limit_deg))
@@ -62,16 +97,17 @@ def inspect_webs(sheet: ThickSheet, material: PrintMaterial, limit_deg: float) -
         Finding(
             "hinge-strains",
             Severity.WARNING,
-            f"{len(wrong)} webs stretch by over strain_max = {material.strain_max:g}, worst is "
-            f"crease {creases[worst]}: {strain[worst]:.3g}. Set hinges.strain_max to that of the "
-            f"material, or gap_mm to at least {needed:.3g}, or make web_mm thinner.",
-            creases=tuple(creases[wrong[:_NAMED]].tolist()),
+            f"{counted(len(wrong), 'web stretches', 'webs stretch')} by over strain_max = "
+            f"{material.strain_max:g}, worst is crease {creases[worst]}: {strain[worst]:.3g}. Set "
+            "hinges.strain_max to that of the material, or gap_mm to at least "
+            f"{needed:.3g}, or make web_mm thinner.",
+            creases=first_few(creases[wrong]),
         )
     ]
 
 
 def bed_area_mm2(joined: TriangleMesh) -> float:
-    """Area of the sides that lie on the bed."""
+    """Area of the sides that lie on the bed, of a surface in mm."""
     corners = joined.vertices_coords[joined.triangles]
     lowest = joined.vertices_coords[:, 2].min(initial=np.inf)
     a, b, c = corners[(corners[:, :, 2] <= lowest + _ON_BED_MM).all(axis=1)].swapaxes(0, 1)
@@ -85,27 +121,27 @@ def panel_widths_mm(panels: Panels) -> FloatArray:
     """
     bodies, sides = panels.bodies, panels.sides
     out = np.full(len(bodies), np.inf)
-    counts = np.diff(sides.offsets)[panels.faces]
-    ends = np.cumsum(counts)
-    body = np.repeat(np.arange(len(bodies)), counts)
-    side = np.arange(len(body)) + np.repeat(sides.offsets[panels.faces] - (ends - counts), counts)
+    sizes = np.diff(sides.offsets)[panels.faces]
+    ends = np.cumsum(sizes)
+    body = np.repeat(np.arange(len(bodies)), sizes)
+    side = np.arange(len(body)) + np.repeat(sides.offsets[panels.faces] - (ends - sizes), sizes)
     for z in panels.heights_mm:
         rows = np.flatnonzero(np.abs(bodies.vertices_coords[:, 2] - z) <= _ON_BED_MM)
         starts = np.searchsorted(bodies.vertices_body[rows], np.arange(len(bodies) + 1))
-        many = np.diff(starts)[body]
-        first = np.cumsum(many) - many
-        point = np.arange(int(many.sum())) + np.repeat(starts[body] - first, many)
-        across = np.repeat(sides.inward[side], many, axis=0)
+        counts = np.diff(starts)[body]
+        first = np.cumsum(counts) - counts
+        point = np.arange(int(counts.sum())) + np.repeat(starts[body] - first, counts)
+        across = np.repeat(sides.inward[side], counts, axis=0)
         along = (bodies.vertices_coords[rows[point], :2] * across).sum(axis=1)
-        has = np.flatnonzero(many)
-        width = np.zeros(len(body))
-        width[has] = np.maximum.reduceat(along, first[has]) - np.minimum.reduceat(along, first[has])
+        level = np.flatnonzero(counts)  # sides of panels that have corners at this height
+        begin, width = first[level], np.zeros(len(body))
+        width[level] = np.maximum.reduceat(along, begin) - np.minimum.reduceat(along, begin)
         np.minimum.at(out, body, width)
     return out
 
 
 def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
-    """Whether the print fits the bed, turned as it likes."""
+    """Whether the print fits the bed and height of the printer, at any angle on the bed."""
     coords = joined.vertices_coords
     if not len(coords):
         return []
@@ -152,42 +188,48 @@ def _walls(panels: Panels, printer: Printer) -> list[Finding]:
         Finding(
             "wall-too-thin",
             Severity.WARNING,
-            f"{len(thin)} panels are narrower than nozzle_mm = {printer.nozzle_mm:g} at their "
-            f"bottom or top, worst is panel {panels.faces[worst]}: {width[worst]:.3g} mm. Slicers "
-            "leave such ridges out: lower thickness_mm or gap_mm, or enlarge the sheet.",
-            panels=tuple(panels.faces[thin[:_NAMED]].tolist()),
+            f"{counted(len(thin), 'panel is', 'panels are')} narrower than nozzle_mm = "
+            f"{printer.nozzle_mm:g} at {'its' if len(thin) == 1 else 'their'} bottom or top, worst "
+            f"is panel {panels.faces[worst]}: {width[worst]:.3g} mm. Slicers leave such ridges "
+            "out: lower thickness_mm or gap_mm, or enlarge the sheet.",
+            panels=first_few(panels.faces[thin]),
         )
     ]
 
 
 def _gaps(sheet: ThickSheet, printer: Printer) -> list[Finding]:
-    standing = np.zeros(sheet.pattern.face_count + 1, bool)  # the last one for borders
-    standing[sheet.panels.faces] = True
+    """Whether gaps between panels, and the play of knuckles, stay open."""
+    has_panel = np.append(sheet.panels.faces_has_panel, False)  # the last one for borders
     gap = 2 * sheet.panels.setbacks.axis_mm
-    gap[~standing[sheet.pattern.edges_faces].all(axis=1)] = np.inf
-    knuckles = sheet.knuckles
-    findings = []
-    for creases, least, what, cure in (
-        (np.arange(len(gap)), gap, "gaps are", "panels fuse. Raise gap_mm."),
-        (
-            knuckles.creases,
-            np.full(len(knuckles.creases), knuckles.play_mm),
-            "knuckles have a play that is",
+    gap[~has_panel[sheet.pattern.edges_faces].all(axis=1)] = np.inf
+    creases = sheet.knuckles.creases
+    play = np.full(len(creases), sheet.knuckles.play_mm)
+    return [
+        *_narrow(
+            np.arange(len(gap)), gap, printer, ("gap is", "gaps are"), "panels fuse. Raise gap_mm."
+        ),
+        *_narrow(
+            creases,
+            play,
+            printer,
+            ("knuckle has a play that is", "knuckles have a play that is"),
             "they fuse. Raise play_mm.",
         ),
-    ):
-        narrow = least < printer.least_gap_mm - _ON_BED_MM
-        if narrow.any():
-            findings.append(
-                Finding(
-                    "gap-too-narrow",
-                    Severity.WARNING,
-                    f"{narrow.sum()} {what} narrower than the printer's least_gap_mm = "
-                    f"{printer.least_gap_mm:g}, the least is {least.min():.3g} mm: {cure}",
-                    creases=tuple(creases[narrow][:_NAMED].tolist()),
-                )
-            )
-    return findings
+    ]
+
+
+def _narrow(
+    creases: IntArray, gap_mm: FloatArray, printer: Printer, words: tuple[str, str], cure: str
+) -> list[Finding]:
+    """A finding where gaps at some creases, shape (k,), are narrower than a printer keeps open."""
+    narrow = gap_mm < printer.least_gap_mm - _ON_BED_MM
+    if not narrow.any():
+        return []
+    text = (
+        f"{counted(int(narrow.sum()), *words)} narrower than the printer's least_gap_mm = "
+        f"{printer.least_gap_mm:g}, the least is {gap_mm.min():.3g} mm: {cure}"
+    )
+    return [Finding("gap-too-narrow", Severity.WARNING, text, creases=first_few(creases[narrow]))]
 
 
 def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:
@@ -205,7 +247,7 @@ def _layers(sheet: ThickSheet, printer: Printer) -> list[Finding]:
                 Severity.ERROR,
                 f"webs are {least:.3g} mm thick, less than one layer of layer_mm = "
                 f"{printer.layer_mm:g}: they are not printed. Raise web_mm to that at least.",
-                creases=tuple(sheet.creases[webs[:_NAMED]].tolist()),
+                creases=first_few(sheet.creases[webs]),
             )
         ]
     off = np.abs(layers - np.round(layers))
@@ -239,10 +281,10 @@ def _overhangs(sheet: ThickSheet, printer: Printer) -> list[Finding]:
         Finding(
             "overhang-too-flat",
             Severity.WARNING,
-            f"{len(owner)} panels have sides that lean out by over overhang_deg = "
-            f"{printer.overhang_deg:g} degrees, up to {angle[over].max():.4g}. Print them with "
-            "support, set axis = bottom, or lower fold_limit_deg.",
-            panels=tuple(sheet.panels.faces[owner[:_NAMED]].tolist()),
+            f"{counted(len(owner), 'panel has', 'panels have')} sides that lean out by over "
+            f"overhang_deg = {printer.overhang_deg:g} degrees, up to {angle[over].max():.4g}. "
+            "Print with support, set axis = bottom, or lower fold_limit_deg.",
+            panels=first_few(sheet.panels.faces[owner]),
         )
     ]
 
@@ -261,9 +303,10 @@ def _bridges(sheet: ThickSheet, printer: Printer) -> list[Finding]:
         Finding(
             "bridge-too-long",
             Severity.WARNING,
-            f"{len(wide)} webs span up to {span.max():.3g} mm over air, more than the printer's "
-            f"bridge_mm = {printer.bridge_mm:g}. Set axis = bottom, or print with support.",
-            creases=tuple(sheet.creases[aloft[wide[:_NAMED]]].tolist()),
+            f"{counted(len(wide), 'web spans', 'webs span')} up to {span.max():.3g} mm over air, "
+            f"more than the printer's bridge_mm = {printer.bridge_mm:g}. Set axis = bottom, "
+            "or print with support.",
+            creases=first_few(sheet.creases[aloft[wide]]),
         )
     ]
 
@@ -282,10 +325,11 @@ def _materials(sheet: ThickSheet, printer: Printer) -> list[Finding]:
 
 
 def _webs(sheet: ThickSheet) -> IntArray:
-    """Bodies across a crease that bend."""
+    """Numbers of the bodies across a crease that bend."""
     return np.flatnonzero(sheet.flexible & (sheet.faces < 0) & (sheet.creases >= 0))
 
 
 def _heights_mm(sheet: ThickSheet, chosen: IntArray) -> FloatArray:
+    """From the bottom to the top of chosen bodies."""
     low, high = sheet.bodies.boxes()
     return np.asarray((high - low)[chosen, 2])

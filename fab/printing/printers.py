@@ -1,4 +1,4 @@
-"""Which printer prints the bodies, and of what?"""
+"""Printers, and the materials that bodies are printed of."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["PrintMaterial", "Printer", "load_print_material", "load_printer"]
 
 
 class Printer(Bedded):
-    """A 3D printer: how large, how fine, and how far it prints over air."""
+    """A 3D printer: its size, its resolution, and how far it prints over air."""
 
     kind: Literal["printer"]
     height_mm: float = Field(gt=0, le=1e5, description="of the tallest print")

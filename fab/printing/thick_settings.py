@@ -1,4 +1,4 @@
-"""What does a person say of a thick sheet: its panels, its hinges, its printer?"""
+"""Settings of a thick sheet: the tables of its panels, hinges, printer and plates."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Self
 from pydantic import Field, model_validator
 
 from fab.panels.bevelled_panels import PanelSettings
-from fab.panels.hinges import HingeSettings, heights_over_axes_mm
+from fab.panels.hinges import HingeSettings, require_fitting_hinges
 from fab.printing.plate_settings import PlateSettings
 from fab.printing.printers import Printer, PrintMaterial, load_print_material, load_printer
 from fab.settings import Settings, apply_change, checked
@@ -46,13 +46,13 @@ class ThickSettings(Settings):
 
     @model_validator(mode="after")
     def _hinges_fit_panels(self) -> ThickSettings:
-        heights_over_axes_mm(self.panels, self.hinges)
+        require_fitting_hinges(self.panels, self.hinges)
         return self
 
     def printed(self, print_with: PrintWith) -> Self:
         """The same, with what they leave to the printer and its material.
 
-        That is how far webs may stretch, the play of knuckles, and the margin of plates.
+        These are the strain of webs, the play of knuckles, and the margin of plates.
         """
         printer, material = print_with.printer, print_with.material
         plates, given = self.plates, self.hinges.model_fields_set
@@ -86,9 +86,9 @@ class ThickSettings(Settings):
 def thick_settings(
     changes: Sequence[str] = (), machine: str | None = None, material: str | None = None
 ) -> ThickSettings:
-    """The defaults with changes such as "panels.thickness_mm=1.2" laid over them.
+    """The default settings with changes such as "panels.thickness_mm=1.2".
 
-    machine, material : names of the printer and its material, over those of the changes.
+    machine, material : names of the printer and its material; they prevail over the changes.
     Raises `InvalidJob` with every key at fault.
     """
     document: dict[str, Any] = {}

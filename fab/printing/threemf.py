@@ -1,7 +1,7 @@
-"""How do bodies of one or two materials become objects in a 3MF file?
+"""3MF files of bodies of one or two materials.
 
 An object is one mesh. Its triangles name their material as the core specification has it, and
-PrusaSlicer's own table says which run of them is which volume, of what name, for which extruder.
+PrusaSlicer's own table has the triangles, name and extruder of each volume.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def sheet_parts(sheet: ThickSheet) -> list[Part]:
 
 
 def body_parts(bodies: Bodies, flexible: BoolArray, creases: IntArray) -> list[Part]:
-    """The same of any bodies; flexible, creases : shape (n,), as in a `ThickSheet`."""
+    """The same of any bodies. flexible, creases : shape (n,), as in a `ThickSheet`."""
     ground = bodies.vertices_coords[:, 2].min(initial=0.0)
     parts = []
     hinged = bool((creases[flexible] >= 0).any())
@@ -110,6 +110,7 @@ def threemf_bytes(objects: Sequence[PrintObject], name: str) -> bytes:
 
 
 def _model(objects: Sequence[PrintObject], name: str) -> str:
+    """The XML of the model, with a material for each pair of name and colour."""
     every = [(part.name, part.colour) for each in objects for part in each.parts]
     materials = {material: number for number, material in enumerate(dict.fromkeys(every))}
     bases = "".join(

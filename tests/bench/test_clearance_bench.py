@@ -72,8 +72,8 @@ def test_clearance_against_building(benchmark):
         peaks.append(round(tracemalloc.get_traced_memory()[1] / 1e6))
         tracemalloc.stop()
         assert findings == []
-        assert figures.panels == size
-        assert all(state.clearance_min_mm > 0.28 for state in figures.states)
+        assert figures.solids.panels == size
+        assert all(state.clearance_min_mm > 0.28 for state in figures.clearance.states)
     benchmark.pedantic(check, rounds=1)
     exponent = float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
     benchmark.extra_info.update(per_building=ratios, exponent=round(exponent, 2), peak_mb=peaks)

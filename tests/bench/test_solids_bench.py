@@ -118,12 +118,12 @@ def test_step_costs_little_more_than_a_bare_writer(benchmark):
         taken.append(min(ours))
         floors.append(min(floor))
         peaks.append(round(peak_bytes() / 1e9, 2))
-    ratios = [round(one / two, 2) for one, two in zip(taken, floors, strict=True)]
+    ratios = [round(ours / bare, 2) for ours, bare in zip(taken, floors, strict=True)]
     panels = [side * side for side in SIDES]
     exponent = float(np.polyfit(np.log(panels), np.log(taken), 1)[0])
     figures = {
         "panels": panels,
-        "seconds": [round(one, 2) for one in taken],
+        "seconds": [round(value, 2) for value in taken],
         "ratios": ratios,
         "exponent": round(exponent, 2),
         "peak_gigabytes": peaks,
@@ -163,8 +163,8 @@ def test_threemf_costs_little_more_than_its_bytes(benchmark):
     exponent = float(np.polyfit(np.log(panels), np.log(taken), 1)[0])
     figures = {
         "panels": panels,
-        "seconds": [round(one, 3) for one in taken],
-        "ratios": [round(one / two, 2) for one, two in zip(taken, floors, strict=True)],
+        "seconds": [round(value, 3) for value in taken],
+        "ratios": [round(ours / bare, 2) for ours, bare in zip(taken, floors, strict=True)],
         "exponent": round(exponent, 2),
         "peak_megabytes": round(peak / 1e6),
         "megabytes": round(len(data) / 1e6, 1),

@@ -8,9 +8,9 @@ from flat_patterns import pattern_of
 from helpers import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from thick_sheets import SIDE_MM, book, creased, folded, solid
+from thick_sheets import SIDE_MM, book, creased, folded, in_pose, solid
 
-from fab.clearance.pair_checks import promised_mm
+from fab.clearance.promised_distances import promised_mm
 from fab.clearance.soundness import parts_of
 from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Severity
@@ -24,6 +24,7 @@ from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
+from fab.printing.printability import bed_area_mm2
 from solver import Miura
 from solver.errors import InvalidValue
 
@@ -69,20 +70,21 @@ def test_a_sheet_keeps_its_promise_flat_folded_and_between(miura):
     sheet, states = miura
     figures, findings = inspected(sheet, states)
     assert findings == []
-    assert [state.state for state in figures.states][::9] == ["flat", "at the target"]
-    assert len(figures.states) == 10
-    flat, *between, last = [state.clearance_min_mm for state in figures.states]
+    assert [state.state for state in figures.clearance.states][::9] == ["flat", "at the target"]
+    assert len(figures.clearance.states) == 10
+    flat, *between, last = [state.clearance_min_mm for state in figures.clearance.states]
     steepest = np.radians(np.abs(sheet.pattern.edges_foldAngle).max())
     assert flat == pytest.approx(0.4, abs=1e-9)
     assert last == pytest.approx(0.4 * np.cos(steepest / 2), abs=1e-9)
     assert all(last < gap < flat for gap in between)
-    assert figures.clearance_min_mm == last
-    assert figures.overlap_max_mm3 <= 1e-9
-    assert figures.volume_mm3 == pytest.approx(sheet.bodies.volumes_mm3().sum())
+    assert figures.clearance.clearance_min_mm == last
+    assert figures.clearance.overlap_max_mm3 <= 1e-9
+    assert figures.solids.volume_mm3 == pytest.approx(sheet.bodies.volumes_mm3().sum())
     webs = sheet.bodies.volumes_mm3()[len(sheet.panels.bodies) :].sum()
-    assert figures.flexible_mm3 == pytest.approx(webs)
+    assert figures.solids.flexible_mm3 == pytest.approx(webs)
     bottoms = sheet.panels.bodies.volumes_mm3().sum() / 0.8
-    assert bottoms < figures.bed_area_mm2 < np.prod(np.ptp(sheet.pattern.vertices_coords, axis=0))
+    area = bed_area_mm2(joined_mesh(sheet.joining))
+    assert bottoms < area < np.prod(np.ptp(sheet.pattern.vertices_coords, axis=0))
 
 
 @given(
@@ -105,8 +107,8 @@ def test_what_is_promised_is_the_exact_distance(angle, share, thickness, gap, ax
     back, heights = sheet.panels.setbacks, sheet.panels.heights_mm
     crease = int(np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0])
     promised = promised_mm(back, heights, state.angles_deg)[crease]
-    one, two = manifolds(sheet.panels.bodies.moved(state.turns, state.shifts))
-    assert one.min_gap(two, 10 * SIDE_MM) == pytest.approx(promised, abs=1e-7)
+    first, second = manifolds(sheet.panels.bodies.moved(state.turns, state.shifts))
+    assert first.min_gap(second, 10 * SIDE_MM) == pytest.approx(promised, abs=1e-7)
     at_target = promised_mm(back, heights, pattern.edges_foldAngle)[crease]
     assert at_target == pytest.approx(back.clearance_mm[crease], abs=1e-9)
 
@@ -124,7 +126,7 @@ def test_straight_cuts_and_bevels_on_the_wrong_side_overlap_as_computed(axis, re
     figures, findings = inspected(naive, [target(pattern)])
     slope, s0 = np.tan(np.radians(30)), 0.2
     expected = SIDE_MM * (reach - s0 / slope) * (reach * slope - s0)
-    assert figures.overlap_max_mm3 == pytest.approx(expected, rel=1e-9)
+    assert figures.clearance.overlap_max_mm3 == pytest.approx(expected, rel=1e-9)
     (overlap,) = [f for f in findings if f.code == "solids-overlap"]
     crease = int(np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0])
     assert (overlap.panels, overlap.creases) == ((0, 1), (crease,))
@@ -178,22 +180,22 @@ def test_panels_with_two_creases_in_common_are_checked_at_both():
     sheet = solid(pattern, thickness_mm=2.0, gap_mm=0.5)
     figures, findings = inspected(sheet, [target(pattern)])
     assert findings == []
-    assert figures.states[0].pairs_checked == 2
-    assert figures.clearance_min_mm == pytest.approx(0.5 * np.cos(np.radians(30)))
+    assert figures.clearance.states[0].pairs_checked == 2
+    assert figures.clearance.clearance_min_mm == pytest.approx(0.5 * np.cos(np.radians(30)))
 
 
 def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
     pattern = book(60.0)
     hinge = HingeSettings(kind="knuckle", play_mm=0.3)
-    sheet, told = thicken(pattern, PanelSettings(thickness_mm=4.0, axis="middle"), hinge)
-    assert told == []
+    sheet, findings = thicken(pattern, PanelSettings(thickness_mm=4.0, axis="middle"), hinge)
+    assert findings == []
     assert len(sheet.held) == 1
     states = [flat_panels(pattern), target(pattern)]
     figures, findings = inspected(sheet, states)
     assert findings == []
-    assert figures.bodies == 1
+    assert figures.solids.bodies == 1
     # polygons of a barrel come a little nearer to the pin than their circles
-    assert all(0.2 < state.clearance_min_mm <= 0.3 + 1e-9 for state in figures.states)
+    assert all(0.2 < state.clearance_min_mm <= 0.3 + 1e-9 for state in figures.clearance.states)
     halfway = replace(pattern, folded_coords=folded(pattern.vertices_coords, 30.0))
     states.append(replace(target(halfway), stage=Stage.BETWEEN, share=0.5))
     assert inspected(sheet, states)[1] == []
@@ -205,7 +207,7 @@ def test_knuckles_keep_their_play_and_are_caught_where_they_do_not():
 
 @given(st.floats(-130, 130), st.floats(0, 1), st.floats(0, 0.05), st.integers(0, 99))
 @settings(max_examples=25, deadline=None)
-def test_knuckles_whose_axis_slips_are_not_told_to_be_farther_apart_than_they_are(
+def test_knuckles_whose_axis_slips_are_not_reported_farther_apart_than_they_are(
     angle, share, slip, seed
 ):
     pattern = book(angle)
@@ -213,18 +215,18 @@ def test_knuckles_whose_axis_slips_are_not_told_to_be_farther_apart_than_they_ar
     sheet, _ = thicken(pattern, PanelSettings(thickness_mm=3.2, axis="middle"), hinge)
     if not len(sheet.held):
         return
-    way = np.random.default_rng(seed).normal(size=3)
+    direction = np.random.default_rng(seed).normal(size=3)
     partly = replace(pattern, folded_coords=folded(pattern.vertices_coords, share * angle))
     state = replace(target(partly), stage=Stage.BETWEEN, share=share)
     shifts = state.shifts.copy()
-    shifts[1] += slip * way / np.linalg.norm(way)
+    shifts[1] += slip * direction / np.linalg.norm(direction)
     state = replace(state, shifts=shifts)
-    one, two = manifolds(sheet.posed(partly.folded_coords))
-    exact = one.min_gap(two.translate(shifts[1] - target(partly).shifts[1]), 1.0)
-    told = inspected(sheet, [state])[0].states[0].clearance_min_mm
-    assert told <= exact + 1e-9
+    first, second = manifolds(in_pose(sheet, partly.folded_coords))
+    exact = first.min_gap(second.translate(shifts[1] - target(partly).shifts[1]), 1.0)
+    reported = inspected(sheet, [state])[0].clearance.states[0].clearance_min_mm
+    assert reported <= exact + 1e-9
     # and the bound is of use: it loses no more than what a slip could cost
-    assert told >= 0.25 - 1.6 * slip - 1e-9
+    assert reported >= 0.25 - 1.6 * slip - 1e-9
 
 
 def test_overlap_of_knuckles_between_faces_that_bend_is_a_warning():
@@ -270,8 +272,8 @@ def test_creases_over_the_limit_end_the_check_there():
     assert blocked.code == "fold-blocked"
     assert "fold to 44 % of the target" in blocked.text
     assert len(blocked.creases) == (np.abs(pattern.edges_foldAngle) > 0).sum()
-    assert [state.state for state in figures.states][-1] == "at 44 % of the fold"
-    assert len(inspected(sheet, states, limit_deg=39.99)[0].states) == 4
+    assert [state.state for state in figures.clearance.states][-1] == "at 44 % of the fold"
+    assert len(inspected(sheet, states, limit_deg=39.99)[0].clearance.states) == 4
     # panels made for 40 degrees do not reach 90
     _, findings = inspected(sheet, states)
     assert {"solids-overlap", "panels-jam"} <= set(codes(findings))
@@ -297,7 +299,7 @@ def test_states_of_patterns_that_fold_flat_and_of_those_that_do_not_fold():
         folded_states(pattern, -1)
 
 
-def test_states_tell_the_share_of_angles_that_they_reach():
+def test_states_have_the_share_of_angles_that_they_reach():
     """A square twist does not fold rigidly: pulled at its creases it lies still, and then snaps."""
     pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "square_twist.fold")
     states, _ = folded_states(pattern, 4)
@@ -314,7 +316,7 @@ def test_states_tell_the_share_of_angles_that_they_reach():
     assert states[-1].name == "at the target"
 
 
-def test_a_fold_that_misses_its_target_is_told():
+def test_a_fold_that_misses_its_target_is_reported():
     pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "resch.fold")
     states, (finding,) = folded_states(pattern, 3)
     assert (finding.code, finding.severity) == ("target-not-reached", Severity.NOTE)
@@ -367,7 +369,7 @@ def test_loose_panels_and_a_wrong_joined_body_are_caught(miura):
     sheet, states = miura
     loose = bare(sheet, sheet.panels.setbacks)
     figures, findings = inspect_thick(loose, joined_mesh(sheet.joining), states[:1])
-    assert figures.bodies == 20
+    assert figures.solids.bodies == 20
     assert codes(findings) == ["joined-invalid", "panels-loose"]
 
 
@@ -428,12 +430,12 @@ def test_planes_between_boxes_are_exact():
 
 def two_pieces(apart_mm: float) -> CreasePattern:
     """Two books beside each other."""
-    one = book(90.0)
-    beside = one.vertices_coords + np.array([0, SIDE_MM + apart_mm])
+    single = book(90.0)
+    beside = single.vertices_coords + np.array([0, SIDE_MM + apart_mm])
     faces = [[0, 2, 3, 1], [4, 0, 1, 5], [6, 8, 9, 7], [10, 6, 7, 11]]
-    pattern = pattern_of(np.concatenate([one.vertices_coords, beside]), faces, "V")
-    # both pieces in one place, as no one folds them
-    return replace(pattern, folded_coords=np.concatenate([one.folded_coords] * 2))
+    pattern = pattern_of(np.concatenate([single.vertices_coords, beside]), faces, "V")
+    # both pieces in one place, as nobody folds them
+    return replace(pattern, folded_coords=np.concatenate([single.folded_coords] * 2))
 
 
 def test_pieces_of_a_sheet_are_not_loose_and_meet_only_when_flat():
@@ -443,7 +445,7 @@ def test_pieces_of_a_sheet_are_not_loose_and_meet_only_when_flat():
     sheet, _ = thicken(pattern, PanelSettings(), HingeSettings())
     joined = joined_mesh(sheet.joining)
     figures, findings = inspect_thick(sheet, joined, [flat_panels(pattern), target])
-    assert figures.bodies == 2
+    assert figures.solids.bodies == 2
     assert findings == []
     near = two_pieces(-0.5)  # over each other
     sheet, _ = thicken(near, PanelSettings(), HingeSettings())

@@ -1,4 +1,4 @@
-"""Bounds at which panels begin to overlap when folded, proved by the check of all bodies itself."""
+"""Bounds at which panels begin to overlap when folded, proved by the inspection of all bodies."""
 
 import re
 from dataclasses import replace
@@ -42,7 +42,7 @@ def with_thickness(panel, thickness_mm):
 
 
 def overlaps(pattern, panel, hinge, state):
-    """What the check of the whole sheet says of its panels in one state."""
+    """Overlaps that the inspection of the whole sheet finds in one state."""
     sheet, _ = thicken(pattern, panel, hinge)
     found = inspect_thick(sheet, joined_mesh(sheet.joining), [state])[1]
     return [f for f in found if f.code == "solids-overlap" and f.severity == Severity.ERROR]
@@ -82,7 +82,7 @@ def test_the_named_thickness_is_where_panels_begin_to_overlap(
 
 
 @pytest.mark.parametrize("axis", ["bottom", "middle"])
-def test_panels_of_a_waterbomb_stay_apart_as_long_as_they_stand(axis):
+def test_panels_of_a_waterbomb_stay_apart_as_long_as_they_are_feasible(axis):
     pattern, hinge = shipped_pattern("waterbomb", 100.0), HingeSettings(kind="none")
     panel = PanelSettings(gap_mm=0.1, axis=axis, fold_limit_deg=120.0)
     window = feasible_window(pattern, panel, hinge, collisions(pattern, panel, hinge))
@@ -114,7 +114,7 @@ def test_a_limit_that_stops_the_sheet_makes_that_state_the_target():
     hinge = HingeSettings(kind="none")
     stopped = PanelSettings(thickness_mm=0.5, fold_limit_deg=60.0)
     assert collisions(pattern, stopped, hinge)(0.5) == 0.5
-    # also where panels are too thick to stand as given
+    # also where panels are too thick as given
     assert collisions(pattern, with_thickness(stopped, 50.0), hinge)(0.5) == 0.5
     assert collisions(pattern, with_thickness(stopped, 0.5), hinge)(0.5) == 0.5
 

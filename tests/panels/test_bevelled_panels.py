@@ -17,16 +17,9 @@ from solid_patterns import creased, folded_pair, ringed
 from fab.errors import Severity
 from fab.geometry.bodies import bodies_of
 from fab.geometry.booleans import manifold_of, manifolds
-from fab.panels.bevelled_panels import (
-    LEAST_RADIUS_MM,
-    SHORTEST_SIDE_MM,
-    PanelSettings,
-    _cut,
-    inset,
-    make_panels,
-    spans,
-)
+from fab.panels.bevelled_panels import LEAST_RADIUS_MM, PanelSettings, _cut, make_panels
 from fab.panels.inset_limits import inradii
+from fab.panels.inset_sides import SHORTEST_SIDE_MM, inset, spans
 from fab.panels.setbacks import Setbacks, setbacks, sides_of
 from fab.pattern.face_poses import face_poses
 
@@ -117,20 +110,20 @@ def test_panels_are_what_all_setback_planes_leave(ring, angles, heights, gap):
     pattern = ringed(ring, angles[: len(ring)])
     back = backs(pattern, heights, gap)
     panels, _ = make_panels(pattern, heights, back)
-    standing = dict(zip(panels.faces.tolist(), range(len(panels.bodies)), strict=True))
+    bodies = dict(zip(panels.faces.tolist(), range(len(panels.bodies)), strict=True))
     sides = sides_of(pattern)
     for face in range(pattern.face_count):
-        if face not in standing:
+        if face not in bodies:
             assert min(inradii(sides, back.at(z))[face] for z in heights) < LEAST_RADIUS_MM
             continue
-        mesh = panels.bodies.mesh(standing[face])
+        mesh = panels.bodies.mesh(bodies[face])
         assert manifold_of(mesh).status() == Error.NoError
         planes = halfspaces(pattern, back, heights, face)
         off = mesh.vertices_coords @ planes[:, :3].T + planes[:, 3]
         assert (off < 1e-9).all()  # nothing lies beyond a setback
         hull = HalfspaceIntersection(planes, mesh.vertices_coords.mean(axis=0))
         exact = ConvexHull(hull.intersections).volume
-        volume = panels.bodies.volumes_mm3()[standing[face]]
+        volume = panels.bodies.volumes_mm3()[bodies[face]]
         assert volume == pytest.approx(exact, rel=1e-9)
         assert manifold_of(mesh).volume() == pytest.approx(exact, rel=1e-9)
         # triangles of one planar side lie in one plane
@@ -158,13 +151,13 @@ def test_stacked_and_cut_panels_are_the_same_where_no_side_vanishes(ring, angles
     assert findings == []
     for face in range(pattern.face_count):
         cut = _cut(panels.sides, back, heights, face)
-        one, two = panels.bodies.mesh(face).vertices_coords, cut.vertices_coords
+        first, second = panels.bodies.mesh(face).vertices_coords, cut.vertices_coords
         assert bodies_of([cut]).volumes_mm3()[0] == pytest.approx(
             panels.bodies.volumes_mm3()[face], rel=1e-9
         )
         # both may have idle vertices within their walls
-        ends = one[np.isin(one[:, 2], heights)]
-        assert np.linalg.norm(two[:, None] - ends, axis=2).min(axis=0).max() < 1e-8
+        ends = first[np.isin(first[:, 2], heights)]
+        assert np.linalg.norm(second[:, None] - ends, axis=2).min(axis=0).max() < 1e-8
 
 
 @settings(max_examples=25)
@@ -195,15 +188,15 @@ def test_a_folded_pair_is_as_far_apart_as_predicted(angle, heights, gap, clearan
     exact = 2 * (back.axis_mm[crease] * np.cos(half) + off * np.sin(half))
     assert back.clearance_mm[crease] == pytest.approx(exact, rel=1e-12)
     assert exact >= clearance - 1e-12
-    one, two = manifolds(panels.bodies.moved(*face_poses(pattern, pattern.folded_coords)))
-    assert (one ^ two).volume() < 1e-9
-    assert one.min_gap(two, exact + 1) == pytest.approx(exact, abs=1e-9)
+    first, second = manifolds(panels.bodies.moved(*face_poses(pattern, pattern.folded_coords)))
+    assert (first ^ second).volume() < 1e-9
+    assert first.min_gap(second, exact + 1) == pytest.approx(exact, abs=1e-9)
 
 
 def overlap_mm3(pattern, heights, back) -> float:
     panels, _ = make_panels(pattern, heights, back)
-    one, two = manifolds(panels.bodies.moved(*face_poses(pattern, pattern.folded_coords)))
-    return float((one ^ two).volume())
+    first, second = manifolds(panels.bodies.moved(*face_poses(pattern, pattern.folded_coords)))
+    return float((first ^ second).volume())
 
 
 @pytest.mark.parametrize(("angle", "heights"), [(100.0, (0.0, 1.6)), (-70.0, (-2.0, 0.5))])
@@ -247,14 +240,14 @@ def test_a_short_side_vanishes_with_a_finding_and_an_exact_volume():
     assert len(np.unique(panels.bodies.mesh(0).triangles_plane)) == 6
 
 
-def test_a_square_stands_up_to_half_its_side_and_no_further():
+def test_a_square_has_a_panel_up_to_half_its_side_and_no_further():
     """20 wide, axis at the bottom, valleys: setbacks of 1 + t tan 45 must stay below 10."""
     pattern = ringed(np.array([[0.0, 0], [20, 0], [20, 20], [0, 20]]), 90.0)
-    for thickness, stands in ((8.9, True), (8.99, False), (9.1, False)):
+    for thickness, feasible in ((8.9, True), (8.99, False), (9.1, False)):
         heights = (0.0, thickness)
         panels, _ = make_panels(pattern, heights, backs(pattern, heights, gap=2.0))
-        assert (0 in panels.faces.tolist()) is stands
-        if stands:
+        assert (0 in panels.faces.tolist()) is feasible
+        if feasible:
             exact = (18**3 - (18 - 2 * thickness) ** 3) / 6  # a frustum
             assert panels.bodies.volumes_mm3()[0] == pytest.approx(exact, rel=1e-12)
 
@@ -288,7 +281,7 @@ def test_polygons_of_more_than_four_sides_that_are_not_convex_keep_all_sides_or_
     assert panels.faces.tolist() == [1]
 
 
-def test_a_dart_stands_with_its_exact_volume():
+def test_a_dart_has_a_panel_of_its_exact_volume():
     dart = np.array([[0.0, 0], [40, 40], [0, 10], [-40, 40]])
     pattern = ringed(dart, 0.0)
     panels, findings = make_panels(pattern, (0.0, 2.0), backs(pattern))
@@ -354,9 +347,9 @@ def test_a_cut_ring_is_set_back_where_it_closes_as_at_its_creases(sides, letter,
     assert (back.axis_mm[~ends] == 0).all()
     assert (open_back.axis_mm[~creases] == 0).all()
     gaps = []
-    for one in (ring, strip):
-        panels, _ = make_panels(one, heights, backs(one, heights))
-        turns, shifts = face_poses(one, folded)
+    for tube in (ring, strip):
+        panels, _ = make_panels(tube, heights, backs(tube, heights))
+        turns, shifts = face_poses(tube, folded)
         first, last = manifolds(panels.bodies.moved(turns, shifts).chosen(np.array([0, sides - 1])))
         gaps.append(first.min_gap(last, 20.0))
     assert gaps == pytest.approx([np.cos(np.radians(turn / 2)), 0.0], abs=1e-9)

@@ -6,7 +6,7 @@ from build123d import Plane
 from helpers import TEMPLATES
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
-from thick_sheets import miura_pattern, shipped_pattern, thick
+from thick_sheets import in_pose, miura_pattern, shipped_pattern, thick
 
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
@@ -47,14 +47,14 @@ def test_joints_at_the_target_angles_give_the_folded_solids(name):
     posed = pose(flat, pattern, pattern.edges_foldAngle)
     placed = assembly(sheet, name, pattern.folded_coords)
     assert [child.label for child in posed.children] == [child.label for child in placed.children]
-    folded = sheet.posed(pattern.folded_coords)
+    folded = in_pose(sheet, pattern.folded_coords)
     for i, corners in enumerate(corners_of(placed)):
         first, end = folded.vertices_offsets[i : i + 2]
         off, _ = cKDTree(corners).query(folded.vertices_coords[first:end])
         assert off.max() < 1e-9
         assert len(corners) == end - first
-    one, two = (np.concatenate(corners_of(compound)) for compound in (posed, placed))
-    assert moved_onto(one, two) == pytest.approx(two, abs=1e-6)
+    first, second = (np.concatenate(corners_of(compound)) for compound in (posed, placed))
+    assert moved_onto(first, second) == pytest.approx(second, abs=1e-6)
     # each is placed by one motion, however long its way along the tree
     assert all(c.wrapped.Location().NextLocation().IsIdentity() for c in posed.children)
     # what was given stays flat
@@ -67,16 +67,16 @@ def test_a_user_turns_one_panel_by_its_joint():
     sheet = thick(pattern)
     valley = int(np.flatnonzero(pattern.edges_assignment == "V")[0])
     panels = {child.label: child for child in assembly(sheet, "miura").children}
-    one, two = (panels[f"panel_{face}"] for face in pattern.edges_faces[valley])
+    first, second = (panels[f"panel_{face}"] for face in pattern.edges_faces[valley])
     label = f"crease_{valley}"
-    flat = two.center().Z
+    flat = second.center().Z
     for angle in (0.0, 50.0, 90.0, -30.0):
-        one.joints[label].connect_to(two.joints[label], angle=angle)
-        normals = [Plane(part.location).z_dir for part in (one, two)]
+        first.joints[label].connect_to(second.joints[label], angle=angle)
+        normals = [Plane(part.location).z_dir for part in (first, second)]
         assert np.degrees(np.arccos(normals[0].dot(normals[1]))) == pytest.approx(abs(angle))
-        assert np.sign(round(two.center().Z - flat, 6)) == np.sign(angle)
+        assert np.sign(round(second.center().Z - flat, 6)) == np.sign(angle)
     with pytest.raises(ValueError, match="range"):
-        one.joints[label].connect_to(two.joints[label], angle=181)
+        first.joints[label].connect_to(second.joints[label], angle=181)
 
 
 def test_posed_assemblies_can_be_posed_again():

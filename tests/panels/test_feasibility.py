@@ -13,7 +13,7 @@ from fab.errors import InvalidJob
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.panels.bevelled_panels import PanelSettings, make_panels
-from fab.panels.feasibility import Standing, inspect_standing
+from fab.panels.feasibility import Feasibility, inspect_feasibility
 from fab.panels.hinges import HingeSettings, heights_and_setbacks
 from fab.panels.thick_sheet import thicken
 from fab.pattern.crease_pattern import scaled
@@ -34,7 +34,7 @@ def sheet_of(name):
 def lost(pattern, panel, hinge):
     """Findings of faces without a panel."""
     panels, _ = make_panels(pattern, *heights_and_setbacks(pattern, panel, hinge))
-    return inspect_standing(pattern, panel, hinge, panels.faces)
+    return inspect_feasibility(pattern, panel, hinge, panels.faces)
 
 
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
@@ -44,11 +44,11 @@ def lost(pattern, panel, hinge):
 )
 def test_what_is_named_saves_all_panels_and_a_little_less_does_not(name, kind, axis):
     pattern, hinge = sheet_of(name), HingeSettings(kind=kind)
-    told = 0
+    named = 0
     for thickness_mm in (3.0, 6.0, 12.0):
         panel = PanelSettings(thickness_mm=thickness_mm, gap_mm=0.5, axis=axis, fold_limit_deg=150)
         for found in lost(pattern, panel, hinge):
-            told += 1
+            named += 1
             assert found.code == "panel-vanishes"
             least = float(re.search(rf"at least {NUMBER} times", found.text)[1])
             assert not lost(scaled(pattern, factor=least), panel, hinge)
@@ -59,10 +59,10 @@ def test_what_is_named_saves_all_panels_and_a_little_less_does_not(name, kind, a
                 thin = {"web": 0.4051, "knuckle": 2.916}[kind]
                 assert lost(pattern, panel.model_copy(update={"thickness_mm": thin}), hinge)
                 continue
-            for factor, stand in ((1.0, True), (MORE, False)):
+            for factor, feasible in ((1.0, True), (MORE, False)):
                 given = panel.model_copy(update={"thickness_mm": float(most[1]) * factor})
-                assert (not lost(pattern, given, hinge)) is stand
-    assert told or (name, kind) == ("square_twist", "none")
+                assert (not lost(pattern, given, hinge)) is feasible
+    assert named or (name, kind) == ("square_twist", "none")
 
 
 @pytest.mark.parametrize(("kind", "axis"), KINDS)
@@ -70,10 +70,10 @@ def test_what_is_named_saves_all_panels_and_a_little_less_does_not(name, kind, a
 def test_folds_of_180_degrees_are_named_with_the_angle_that_panels_reach(name, kind, axis):
     pattern, hinge = shipped_pattern(name, 300.0), HingeSettings(kind=kind)
     panel = PanelSettings(thickness_mm=3.0, axis=axis)
-    (told,) = (f for f in lost(pattern, panel, hinge) if f.code == "fold-too-far")
-    assert (np.abs(pattern.edges_foldAngle[list(told.creases)]) == 180.0).all()
-    assert "by up to 180 degrees" in told.text
-    limit = re.search(rf"fold_limit_deg to at most {NUMBER}", told.text)
+    (found,) = (f for f in lost(pattern, panel, hinge) if f.code == "fold-too-far")
+    assert (np.abs(pattern.edges_foldAngle[list(found.creases)]) == 180.0).all()
+    assert "by up to 180 degrees" in found.text
+    limit = re.search(rf"fold_limit_deg to at most {NUMBER}", found.text)
     limit = float(limit[1])
 
     def whole(limit_deg):
@@ -89,29 +89,29 @@ def test_folds_of_180_degrees_are_named_with_the_angle_that_panels_reach(name, k
     assert not whole(limit * MORE)
 
 
-def test_mountains_of_180_degrees_stand_above_their_axes():
+def test_mountains_of_180_degrees_have_panels_above_their_axes():
     pattern = folded_pair(180.0)
     mountain = creased(pattern, -pattern.edges_foldAngle)
     panel, hinge = PanelSettings(), HingeSettings()
-    (told,) = lost(mountain, panel, hinge)
-    assert "panels.axis_mm = -0.05 and hinges.kind = none" in told.text
+    (found,) = lost(mountain, panel, hinge)
+    assert "panels.axis_mm = -0.05 and hinges.kind = none" in found.text
     lifted = panel.model_copy(update={"axis": "offset", "axis_mm": -0.05})
     assert not lost(mountain, lifted, HingeSettings(kind="none"))
     lower = panel.model_copy(update={"axis": "offset", "axis_mm": -0.04})
     assert lost(mountain, lower, HingeSettings(kind="none"))
     # valleys close on that side
-    (told,) = lost(pattern, panel, hinge)
-    assert "axis_mm" not in told.text
+    (found,) = lost(pattern, panel, hinge)
+    assert "axis_mm" not in found.text
 
 
 def test_without_clearance_180_degrees_are_refused_alike():
     panel = PanelSettings(clearance_mm=0.0)
-    (told,) = lost(folded_pair(180.0), panel, HingeSettings())
-    assert told.code == "fold-too-far"
+    (found,) = lost(folded_pair(180.0), panel, HingeSettings())
+    assert found.code == "fold-too-far"
 
 
 def test_hinges_that_do_not_fit_the_panels_are_refused():
-    standing = Standing(folded_pair(90.0), PanelSettings(thickness_mm=1.0), HingeSettings())
-    assert standing().all()
+    panel = PanelSettings(thickness_mm=1.0)
+    assert Feasibility(folded_pair(90.0), panel, HingeSettings()).faces_feasible().all()
     with pytest.raises(InvalidJob, match=r"hinges.web_mm = 2 must be below"):
         thicken(folded_pair(90.0), PanelSettings(), HingeSettings(web_mm=2.0))

@@ -9,16 +9,25 @@ from flat_patterns import fan, grid, pattern_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Error, Manifold, OpType
+from pydantic import ValidationError
 from solid_patterns import creased, folded_pair, ringed
 from strategies import patches
+from thick_sheets import in_pose
 
 from fab.clearance.soundness import parts_of
 from fab.errors import InvalidJob
 from fab.geometry.booleans import joined_mesh, manifold_of, manifolds
 from fab.jobs.job import parse_job
 from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.feasible_window import feasible_window
 from fab.panels.hinge_room import vertex_distances
-from fab.panels.hinges import HingeSettings, heights_over_axes_mm
+from fab.panels.hinges import (
+    HingeSettings,
+    heights_over_axes_mm,
+    hinges_fit,
+    least_thickness_mm,
+    require_fitting_hinges,
+)
 from fab.panels.knuckles import make_knuckles
 from fab.panels.thick_sheet import thicken
 from fab.pattern.crease_pattern import crease_pattern
@@ -165,18 +174,18 @@ def test_nothing_touches_flat_or_folded(kind, thickness):
     sheet, findings = thicken(pattern, panel, HingeSettings(kind=kind, play_mm=0.2))
     assert findings == []
     for coords in (flat_coords(pattern), pattern.folded_coords):
-        assert common_mm3(sheet.posed(coords)) < 1e-9
+        assert common_mm3(in_pose(sheet, coords)) < 1e-9
     turns, shifts = face_poses(pattern, pattern.folded_coords)
     faces = sheet.panels.faces
     bare = manifolds(sheet.panels.bodies.moved(turns[faces], shifts[faces]))
-    rigid = manifolds(sheet.posed(pattern.folded_coords))
+    rigid = manifolds(in_pose(sheet, pattern.folded_coords))
     for crease in np.flatnonzero(pattern.edges_faces[:, 1] >= 0).tolist():
-        one, two = pattern.edges_faces[crease].tolist()
+        first, second = pattern.edges_faces[crease].tolist()
         exact = sheet.panels.setbacks.clearance_mm[crease]
-        assert bare[one].min_gap(bare[two], 9.0) == pytest.approx(exact, rel=1e-6)
+        assert bare[first].min_gap(bare[second], 9.0) == pytest.approx(exact, rel=1e-6)
         # arms keep half of that from the other panel, barrels their play
         least = exact if kind != "knuckle" else min(exact / 2, 0.2)
-        assert rigid[one].min_gap(rigid[two], 9.0) >= 0.999 * least
+        assert rigid[first].min_gap(rigid[second], 9.0) >= 0.999 * least
 
 
 @pytest.mark.parametrize("angle", [0.0, 70.0, -70.0, 130.0, -130.0])
@@ -189,9 +198,9 @@ def test_knuckles_turn_freely_all_the_way(angle):
     assert len(sheet.held) == 1
     for share in np.linspace(0, 1, 11):
         state = folded_pair(share * angle).folded_coords
-        one, two = manifolds(sheet.posed(state))
-        assert (one ^ two).volume() == 0.0
-        gap = one.min_gap(two, 1.0)
+        first, second = manifolds(in_pose(sheet, state))
+        assert (first ^ second).volume() == 0.0
+        gap = first.min_gap(second, 1.0)
         assert gap >= 0.25 - 1e-9
         if abs(angle) < 100:
             assert gap == pytest.approx(0.25, abs=1e-9)  # between barrels
@@ -250,11 +259,11 @@ def test_stitched_panels_are_the_union_of_panels_and_barrels(corners, angle, hol
         knuckles.creases, knuckles.counts, knuckles.widths_mm, strict=True
     ):
         half = np.arctan(max(back.above[crease], back.below[crease]))
-        one, two = pattern.edges_faces[crease]
+        first, second = pattern.edges_faces[crease]
         full, pin, bore = knuckle_sections(1.5, back.axis_mm[crease], half)
-        added[one] += (count + 1) / 2 * width * full
-        added[one] += ((count - 1) / 2 * width + (count - 1) * 0.25) * pin
-        added[two] += (count - 1) / 2 * width * (full - bore)
+        added[first] += (count + 1) / 2 * width * full
+        added[first] += ((count - 1) / 2 * width + (count - 1) * 0.25) * pin
+        added[second] += (count - 1) / 2 * width * (full - bore)
     assert sheet.bodies.volumes_mm3() == pytest.approx(bare.bodies.volumes_mm3() + added, rel=1e-12)
     assert parts_of(sheet.bodies).tolist() == [1] * len(sheet.bodies)
     for made, plain in zip(manifolds(sheet.bodies), manifolds(bare.bodies), strict=True):
@@ -333,7 +342,7 @@ def test_hinges_by_class_of_crease():
     webs = sheet.creases[sheet.creases >= 0]
     assert set(letters[webs]) == {"M"}
     assert sheet.held.tolist() == np.flatnonzero(np.isin(letters, ["M", "V"])).tolist()
-    assert common_mm3(sheet.posed(pattern.folded_coords)) < 1e-9
+    assert common_mm3(in_pose(sheet, pattern.folded_coords)) < 1e-9
     joined = Manifold.batch_boolean(manifolds(sheet.joining), OpType.Add)
     assert joined.volume() == pytest.approx(sheet.bodies.volumes_mm3().sum(), rel=1e-9)
 
@@ -451,9 +460,46 @@ def test_knuckles_are_as_thick_as_their_pin_wants():
     hinge = HingeSettings(kind="knuckle")
     least = 2 * ((0.6 + 0.25) / np.cos(np.pi / 24) + 0.6)
     fits = PanelSettings(thickness_mm=least + 1e-9, axis="middle")
+    require_fitting_hinges(fits, hinge)
     assert heights_over_axes_mm(fits, hinge)[1] == pytest.approx(least / 2)
     with pytest.raises(InvalidJob):
-        heights_over_axes_mm(PanelSettings(thickness_mm=least - 1e-9, axis="middle"), hinge)
+        require_fitting_hinges(PanelSettings(thickness_mm=least - 1e-9, axis="middle"), hinge)
+
+
+@given(
+    kinds=st.sampled_from([("web", "bottom"), ("web", "offset"), ("none", "offset")])
+    | st.sampled_from([("knuckle", "middle"), ("film", "bottom"), ("none", "bottom")]),
+    web=st.floats(0.01, 2.0),
+    pin=st.floats(0.1, 3.0),
+    axis_mm=st.floats(0.0, 2.0),
+)
+def test_hinges_fit_down_to_the_least_thickness_and_no_further(kinds, web, pin, axis_mm):
+    kind, axis = kinds
+    offset = {"axis_mm": axis_mm} if axis == "offset" else {}
+    panel = PanelSettings(thickness_mm=50.0, axis=axis, **offset)
+    hinge = HingeSettings(kind=kind, web_mm=web, pin_mm=pin)
+    least = least_thickness_mm(panel, hinge)
+    assert 0.01 <= least < 50.0
+
+    def allowed(thickness_mm):
+        changes = {**panel.model_dump(), "thickness_mm": thickness_mm}
+        try:
+            return hinges_fit(PanelSettings(**changes), hinge)
+        except ValidationError:
+            return False
+
+    assert allowed(least)
+    assert not allowed(least * (1 - 1e-9))
+
+
+def test_knuckles_with_an_axis_at_half_the_thickness_have_that_thickness_alone():
+    panel = PanelSettings(thickness_mm=4.0, axis="offset", axis_mm=2.0)
+    hinge = HingeSettings(kind="knuckle")
+    assert hinges_fit(panel, hinge)
+    assert least_thickness_mm(panel, hinge) == 4.0
+    window = feasible_window(folded_pair(60.0), panel, hinge)
+    assert window.thickness_max_mm == pytest.approx(4.0, rel=1e-8)
+    assert [row.thickness_mm for row in window.rows] == [4.0]
 
 
 def test_triangles_and_hexagons_take_every_hinge():

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from shapely import Polygon, maximum_inscribed_circle
 
 from fab.panels.bevelled_panels import LEAST_RADIUS_MM, PanelSettings, make_panels
-from fab.panels.feasibility import Standing
+from fab.panels.feasibility import Feasibility
 from fab.panels.feasible_window import feasible_window
 from fab.panels.hinges import HingeSettings, heights_and_setbacks
 from fab.panels.inset_limits import (
@@ -77,7 +77,7 @@ def jobs(draw, most=8):
     return framed(ring, angles), panel
 
 
-def stands(pattern, panel, scale=1.0) -> bool:
+def feasible(pattern, panel, scale=1.0) -> bool:
     pattern = scaled(pattern, factor=scale)
     panels, _ = make_panels(pattern, *heights_and_setbacks(pattern, panel, HINGE))
     return 0 in panels.faces
@@ -98,16 +98,16 @@ def test_a_square_by_hand():
     assert inradii(sides, back.at(1.0))[0] == pytest.approx(3.5)
     assert scale_bounds(sides, back, heights, 0.5)[0] == pytest.approx(0.4)
     least, face = LEAST_RADIUS_MM, np.array([0])
-    most = Standing(pattern, panel, HINGE).largest_thickness_mm(face)
+    most = Feasibility(pattern, panel, HINGE).largest_thickness_mm(face)
     assert most == pytest.approx((9 - 2 * least) / 2)
     # the axis in the middle: its bottom is set back at the mountain, its top at the valleys
-    middle = Standing(pattern, panel.model_copy(update={"axis": "middle"}), HINGE)
+    middle = Feasibility(pattern, panel.model_copy(update={"axis": "middle"}), HINGE)
     assert middle.largest_thickness_mm(face) == pytest.approx(9 - 2 * least)
     # knuckles set panels back by their radius and the play as well: half the height over cos 22.5
     knuckles = HingeSettings(kind="knuckle", pin_mm=0.1, play_mm=0.1, wall_mm=0.1)
     axis = PanelSettings(thickness_mm=1.0, gap_mm=0.1, clearance_mm=0.0, axis="middle")
     ratio = 1 + 1 / np.cos(np.pi / 8)
-    most = Standing(pattern, axis, knuckles).largest_thickness_mm(face)
+    most = Feasibility(pattern, axis, knuckles).largest_thickness_mm(face)
     assert most == pytest.approx(2 * (5 - least - 0.1) / ratio)
 
 
@@ -129,17 +129,17 @@ def test_inradius_is_that_of_the_polygon(ring, setbacks):
 
 @settings(max_examples=120)
 @given(jobs())
-def test_panels_stand_up_to_the_thickness_and_no_further(job):
+def test_panels_are_feasible_up_to_the_thickness_and_no_further(job):
     pattern, panel = job
-    most = Standing(pattern, panel, HINGE).largest_thickness_mm(np.array([0]))
+    most = Feasibility(pattern, panel, HINGE).largest_thickness_mm(np.array([0]))
     least = max(0.01, panel.axis_mm or 0.0)
     if most is None:
-        assert not stands(pattern, thick(panel, least))
+        assert not feasible(pattern, thick(panel, least))
     elif most < 1000.0:
-        assert stands(pattern, thick(panel, max(most * (1 - STEP), least)))
-        assert not stands(pattern, thick(panel, most * (1 + STEP)))
+        assert feasible(pattern, thick(panel, max(most * (1 - STEP), least)))
+        assert not feasible(pattern, thick(panel, most * (1 + STEP)))
     else:
-        assert stands(pattern, thick(panel, 1000.0))
+        assert feasible(pattern, thick(panel, 1000.0))
 
 
 def test_the_largest_value_at_which_something_holds():
@@ -150,13 +150,13 @@ def test_the_largest_value_at_which_something_holds():
 
 @settings(max_examples=120)
 @given(jobs())
-def test_panels_stand_down_to_the_scale_and_no_further(job):
+def test_panels_are_feasible_down_to_the_scale_and_no_further(job):
     pattern, panel = job
     sides = sides_of(pattern)
     heights, back = heights_and_setbacks(pattern, panel, HINGE)
     least = float(scale_bounds(sides, back, heights, LEAST_RADIUS_MM)[0])
-    assert stands(pattern, panel, least * (1 + STEP))
-    assert not stands(pattern, panel, least * (1 - STEP))
+    assert feasible(pattern, panel, least * (1 + STEP))
+    assert not feasible(pattern, panel, least * (1 - STEP))
 
 
 def test_faces_with_many_sides_agree_with_their_halves():
@@ -170,7 +170,7 @@ def test_faces_with_many_sides_agree_with_their_halves():
         pattern = framed(corners, rho)
         sides = sides_of(pattern)
         heights, back = heights_and_setbacks(pattern, PanelSettings(), HINGE)
-        most = Standing(pattern, PanelSettings(), HingeSettings())
+        most = Feasibility(pattern, PanelSettings(), HingeSettings())
         found.append(
             [
                 scale_bounds(sides, back, heights, LEAST_RADIUS_MM)[0],
@@ -188,11 +188,11 @@ def test_no_size_and_no_thickness_help_a_crease_of_180_degrees():
     assert np.isinf(scale_bounds(*bounds, LEAST_RADIUS_MM)[0])
     assert np.isinf(least_scales(bounds[0], bounds[1].axis_mm, 1.0)[0])
     _, findings = thicken(pattern, panel, HingeSettings())
-    (told,) = findings
-    assert told.code == "fold-too-far"
-    assert 0 in told.panels
-    assert [pattern.edges_foldAngle[crease] for crease in told.creases] == [180.0]
-    limit = float(re.search(r"fold_limit_deg to at most ([\d.]+\d)", told.text)[1])
+    (finding,) = findings
+    assert finding.code == "fold-too-far"
+    assert 0 in finding.panels
+    assert [pattern.edges_foldAngle[crease] for crease in finding.creases] == [180.0]
+    limit = float(re.search(r"fold_limit_deg to at most ([\d.]+\d)", finding.text)[1])
 
     def count(limit_deg):
         limited = panel.model_copy(update={"fold_limit_deg": limit_deg})
@@ -211,11 +211,11 @@ def test_what_the_finding_says_saves_all_panels_and_less_does_not(seed, axis):
 
     def vanishing(pattern, panel):
         _, findings = thicken(pattern, panel, hinge)
-        return [finding for finding in findings if finding.code == "panel-vanishes"]
+        return [each for each in findings if each.code == "panel-vanishes"]
 
-    (told,) = vanishing(pattern, panel)
-    most = float(re.search(r"thickness_mm at most ([\d.]+)", told.text)[1])
-    scale = float(re.search(r"at least ([\d.]+) times", told.text)[1])
+    (finding,) = vanishing(pattern, panel)
+    most = float(re.search(r"thickness_mm at most ([\d.]+)", finding.text)[1])
+    scale = float(re.search(r"at least ([\d.]+) times", finding.text)[1])
     assert not vanishing(pattern, thick(panel, most))
     assert vanishing(pattern, thick(panel, most * 1.002))
     assert not vanishing(scaled(pattern, factor=scale), panel)
@@ -260,7 +260,7 @@ def test_the_window_of_faces_that_are_not_convex():
     assert window.panels == pattern.face_count
     assert window.thickness_max_mm is not None
     assert window.scale_min is not None
-    assert stands(pattern, thick(panel, window.thickness_max_mm))
+    assert feasible(pattern, thick(panel, window.thickness_max_mm))
     whole, _ = thicken(pattern, thick(panel, window.thickness_max_mm + STEP), hinge)
     assert len(whole.panels.bodies) < pattern.face_count
     small, _ = thicken(scaled(pattern, factor=window.scale_min - STEP), panel, hinge)

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from thick_sheets import miura_pattern, shipped_pattern, thick
+from thick_sheets import in_pose, miura_pattern, shipped_pattern, thick
 
 from fab.geometry.bodies import TriangleMesh
 from fab.geometry.booleans import joined_mesh, manifold_of
@@ -77,9 +77,9 @@ def test_surfaces_that_stl_cannot_hold_are_found():
     (text,) = found(tetrahedron * [1, 1, 1e-6] + [0, 0, 1000], faces)
     assert "2 triangles have no area" in text
     # two bodies that share an edge
-    two = np.concatenate([tetrahedron, tetrahedron * [-1, -1, 1]])
-    (text,) = found(two, np.concatenate([faces, faces + 4]))
-    assert "1 edges" in text
+    both = np.concatenate([tetrahedron, tetrahedron * [-1, -1, 1]])
+    (text,) = found(both, np.concatenate([faces, faces + 4]))
+    assert "1 edge of the surface is" in text
 
 
 def test_every_body_has_its_own_stl(sheet):
@@ -235,7 +235,7 @@ def test_step_of_a_folded_state_has_the_panels_where_they_are(sheet, tmp_path):
     (tmp_path / "folded.step").write_bytes(data)
     back = import_step(tmp_path / "folded.step")
     assert [child.label for child in back.children] == [sheet.names[i] for i in sheet.rigid]
-    posed = sheet.posed(folded)
+    posed = in_pose(sheet, folded)
     low, high = posed.boxes()
     for i, child in enumerate(back.children):
         corners = np.array([tuple(v) for v in child.vertices()])
@@ -244,6 +244,6 @@ def test_step_of_a_folded_state_has_the_panels_where_they_are(sheet, tmp_path):
 
 
 def test_step_bytes_repeat_within_a_process(sheet):
-    one, two = (step_bytes(sheet, "miura") for _ in range(2))
-    assert one == two
-    assert re.search(rb"FILE_NAME\('miura','1980-01-01T00:00:00'", one)
+    first, second = (step_bytes(sheet, "miura") for _ in range(2))
+    assert first == second
+    assert re.search(rb"FILE_NAME\('miura','1980-01-01T00:00:00'", first)

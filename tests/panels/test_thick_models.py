@@ -1,4 +1,4 @@
-"""Seven models as thick sheets: bodies stay apart by what was computed, up to the bound told."""
+"""Seven models as thick sheets: bodies stay apart by what was computed, up to the named bound."""
 
 from functools import cache
 
@@ -106,13 +106,17 @@ def test_panels_stay_apart_flat_and_folded(name):
         sheet, joined_mesh(sheet.joining), states, limit_deg=limit_of(name)
     )
     panels, hinges, reached = CASES[name][3:]
-    assert (figures.panels, figures.hinges, len(figures.states)) == (panels, hinges, reached)
-    told = {finding.code for finding in findings}
-    assert told <= {"fold-blocked", "panels-loose"}
-    assert ("fold-blocked" in told) == (name in FOUND)
+    assert (figures.solids.panels, figures.solids.hinges, len(figures.clearance.states)) == (
+        panels,
+        hinges,
+        reached,
+    )
+    codes = {finding.code for finding in findings}
+    assert codes <= {"fold-blocked", "panels-loose"}
+    assert ("fold-blocked" in codes) == (name in FOUND)
     for state, figure in (
-        (states[0], figures.states[0]),
-        (states[reached - 1], figures.states[-1]),
+        (states[0], figures.clearance.states[0]),
+        (states[reached - 1], figures.clearance.states[-1]),
     ):
         assert figure.overlap_max_mm3 <= 1e-6
         measured, promised = distances(sheet, state)
@@ -122,7 +126,7 @@ def test_panels_stay_apart_flat_and_folded(name):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_the_bound_of_the_thickness_is_told_and_holds(name):
+def test_the_bound_of_the_thickness_is_named_and_holds(name):
     pattern = pattern_of_model(name)
     panel, hinge = settings_of(name)
     bound = feasible_window(pattern, panel, hinge).thickness_max_mm

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from manifold3d import Manifold
 from pydantic import ValidationError
+from thick_sheets import in_pose
 
 from fab.formats.fold_reader import read_pattern
 from fab.geometry.booleans import manifold_of, manifolds, meshes, prism, solid
@@ -55,7 +56,7 @@ def joined(sheet, **choices):
 
 
 def bodies_of(sheet, kind):
-    """The solids whose names begin so, in their order."""
+    """The solids whose names begin with a kind, in their order."""
     return [
         manifold_of(sheet.bodies.mesh(number))
         for number, name in enumerate(sheet.names)
@@ -85,7 +86,7 @@ def test_tongues_lie_in_their_pockets_with_the_fit_all_around(axis, letter, fit)
     assert len(tongues) == len(joint.tongues) == 4
     for tongue in tongues:
         assert tongue.min_gap(pocket, 1.0) == pytest.approx(fit, abs=1e-6)
-        # down is the way it comes in
+        # it comes in from below
         assert (tongue.translate((0, 0, -3.0)) ^ pocket).volume() == 0
         assert (tongue.translate((0, 0, fit - 1e-3)) ^ pocket).volume() == 0
         assert (tongue.translate((0, 0, fit + 1e-3)) ^ pocket).volume() > 0
@@ -145,7 +146,7 @@ def test_joints_take_no_more_space_than_their_panels(
         assert len(part.decompose()) == 1
     flat = np.column_stack([sheet.pattern.vertices_coords, np.zeros(6)])
     for coords in (flat, sheet.pattern.folded_coords):
-        assert overlaps(sheet.posed(coords)) < 1e-9
+        assert overlaps(in_pose(sheet, coords)) < 1e-9
     if made.kind != "tape":
         # the part with the tongues hangs together, webs and all
         numbers = [n for n, name in enumerate(sheet.names) if name != "panel_1"]
@@ -154,7 +155,7 @@ def test_joints_take_no_more_space_than_their_panels(
 
 
 def widest(size, fit=0.1):
-    """Width of the pocket of a dovetail of such a share of 6 x 4 mm, at 15 degrees."""
+    """Width of the pocket of a dovetail of a share of 6 x 4 mm, at 15 degrees."""
     slope = radians(15.0)
     return size * 6 + 2 * (size * 4 - 0.05) * tan(slope) + 2 * fit * (tan(slope) + 1 / cos(slope))
 
@@ -186,7 +187,7 @@ def test_panels_as_wide_as_a_pocket_with_its_wall_have_a_dovetail(beyond):
 
 
 @pytest.mark.parametrize("beyond", [-0.01, 0.01])
-def test_two_tongues_stand_where_there_is_room_for_two(beyond):
+def test_there_are_two_tongues_where_there_is_room_for_two(beyond):
     length = 2 * widest(1.0) + 3 * 1.2 + beyond
     _, joint, _ = joined(thick(two_panels(length)))
     assert len(joint.tongues) == (2 if beyond > 0 else 1)
@@ -335,9 +336,9 @@ def test_parts_lie_on_the_bed_apart_from_each_other(made):
         assert own.volumes_mm3().sum() == pytest.approx(manifold_of(part.mesh).volume(), rel=1e-6)
     for plate in range(plates.count):
         solids = [manifold_of(part.mesh) for part in plates.parts if part.plate == plate]
-        for number, one in enumerate(solids):
-            for two in solids[:number]:
-                assert one.min_gap(two, 2 * gap) >= gap - 1e-6
+        for number, first in enumerate(solids):
+            for second in solids[:number]:
+                assert first.min_gap(second, 2 * gap) >= gap - 1e-6
 
 
 def test_sheets_with_joints_fold_as_they_did(made):
@@ -347,10 +348,10 @@ def test_sheets_with_joints_fold_as_they_did(made):
     if pattern.folded_coords is not None:
         states.append(pattern.folded_coords)
     for coords in states:
-        assert overlaps(plates.sheet.posed(coords)) <= overlaps(old.posed(coords)) + 1e-9
-    for name, one in zip(plates.sheet.names, manifolds(plates.sheet.bodies), strict=True):
-        assert one.volume() > 0, name
-        assert len(one.decompose()) == 1, name
+        assert overlaps(in_pose(plates.sheet, coords)) <= overlaps(in_pose(old, coords)) + 1e-9
+    for name, body in zip(plates.sheet.names, manifolds(plates.sheet.bodies), strict=True):
+        assert body.volume() > 0, name
+        assert len(body.decompose()) == 1, name
 
 
 def test_the_guide_is_plain_and_assembles_every_part_onto_those_before(made):
@@ -359,13 +360,13 @@ def test_the_guide_is_plain_and_assembles_every_part_onto_those_before(made):
     assert json.loads(json.dumps(guide)) == guide
     names = [part.name for part in plates.parts]
     assert sorted(row["part"] for plate in guide["plates"] for row in plate) == sorted(names)
-    here = {names[0]}
+    assembled = {names[0]}
     for row in guide["assembly"]:
         pair = {row["tongue_part"], row["pocket_part"]}
         assert len(pair) == 2
-        assert pair & here
-        here |= pair
-    assert here == set(names)
+        assert pair & assembled
+        assembled |= pair
+    assert assembled == set(names)
     taped = sum(row["kind"] == "tape" for row in guide["assembly"])
     assert ("joint-tape" in {finding.code for finding in findings}) == (taped > 0)
 
@@ -383,9 +384,9 @@ def test_a_sheet_that_fits_is_one_part_without_joints():
 
 def test_the_same_sheet_gives_the_same_plates():
     sheet = thick(grid(5, 5, 40.0))
-    one, two = (make_plates(sheet, (150.0, 120.0), PlateSettings())[0] for _ in range(2))
-    assert one.guide() == two.guide()
-    for a, b in zip(one.parts, two.parts, strict=True):
+    first, second = (make_plates(sheet, (150.0, 120.0), PlateSettings())[0] for _ in range(2))
+    assert first.guide() == second.guide()
+    for a, b in zip(first.parts, second.parts, strict=True):
         assert a.mesh.vertices_coords.tobytes() == b.mesh.vertices_coords.tobytes()
         assert a.mesh.triangles.tobytes() == b.mesh.triangles.tobytes()
 
@@ -399,12 +400,12 @@ def test_tongues_are_on_the_part_that_comes_first():
 
 
 def test_progress_rises_to_its_end():
-    told = []
+    steps = []
     sheet = thick(grid(5, 5, 40.0))
-    make_plates(sheet, (150.0, 120.0), PlateSettings(), lambda *step: told.append(step))
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
-    assert {steps for _, steps in told} == {50}
-    assert told[-1] == (50, 50)
+    make_plates(sheet, (150.0, 120.0), PlateSettings(), lambda *step: steps.append(step))
+    assert [done for done, _ in steps] == sorted(done for done, _ in steps)
+    assert {total for _, total in steps} == {50}
+    assert steps[-1] == (50, 50)
 
 
 @pytest.mark.parametrize(

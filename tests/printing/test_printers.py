@@ -9,16 +9,21 @@ from click.testing import CliRunner
 from thick_sheets import SIDE_MM, book, solid
 
 from fab.catalogue import shipped, shipped_of
-from fab.clearance.thick_inspection import inspect_thick
+from fab.clearance.soundness import inspect_solids
 from fab.cli.group import main
 from fab.errors import InvalidJob, Severity
-from fab.folding.folded_states import flat_panels
 from fab.geometry.bodies import TriangleMesh
-from fab.geometry.booleans import joined_mesh
+from fab.geometry.booleans import joined_mesh, manifolds
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
-from fab.printing.printability import bed_area_mm2, inspect_print, inspect_webs, panel_widths_mm
+from fab.printing.printability import (
+    bed_area_mm2,
+    inspect_print,
+    inspect_webs,
+    panel_widths_mm,
+    print_figures,
+)
 from fab.printing.printers import load_print_material, load_printer
 from fab.sheets.materials import load_machine, load_material
 
@@ -114,7 +119,7 @@ def test_every_number_of_a_printer_names_its_unit():
                 assert key.endswith(("_mm", "_deg")), key
 
 
-def told(sheet, printer, **changes):
+def printed(sheet, printer, **changes):
     joined = joined_mesh(sheet.joining)
     return inspect_print(sheet, joined, printer.model_copy(update=changes))
 
@@ -129,67 +134,71 @@ def only(findings, code, severity=Severity.WARNING):
     return bool(findings)
 
 
-def test_a_gap_below_the_printers_is_told():
+def test_a_gap_below_the_printers_is_reported():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.3)
-    assert not only(told(sheet, PRINTER, least_gap_mm=0.3), "gap-too-narrow")
-    assert only(told(sheet, PRINTER, least_gap_mm=0.301), "gap-too-narrow")
+    assert not only(printed(sheet, PRINTER, least_gap_mm=0.3), "gap-too-narrow")
+    assert only(printed(sheet, PRINTER, least_gap_mm=0.301), "gap-too-narrow")
 
 
-def test_a_play_below_the_printers_gap_is_told():
+def test_a_play_below_the_printers_gap_is_reported():
     panel = PanelSettings(thickness_mm=3.2, axis="middle")
     hinge = HingeSettings(kind="knuckle", knuckle_mm=3.0, play_mm=0.28)
     sheet, _ = thicken(book(0.0), panel, hinge)
     assert len(sheet.held) == 1
-    assert not only(told(sheet, PRINTER, least_gap_mm=0.28), "gap-too-narrow")
-    findings = told(sheet, PRINTER, least_gap_mm=0.281)
+    assert not only(printed(sheet, PRINTER, least_gap_mm=0.28), "gap-too-narrow")
+    findings = printed(sheet, PRINTER, least_gap_mm=0.281)
     (finding,) = [finding for finding in findings if finding.code == "gap-too-narrow"]
     assert finding.creases == tuple(sheet.held.tolist())
-    assert "knuckles have a play that is narrower" in finding.text
+    assert "1 knuckle has a play that is narrower" in finding.text
     assert "the least is 0.28 mm: they fuse. Raise play_mm" in finding.text
 
 
 def test_webs_are_at_least_one_layer_and_whole_layers():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.5)  # webs of 0.2 mm
-    assert told(sheet, PRINTER, layer_mm=0.2) == told(sheet, PRINTER, layer_mm=0.1) == []
-    assert only(told(sheet, PRINTER, layer_mm=0.15), "web-between-layers", Severity.NOTE)
-    found = told(sheet, PRINTER, layer_mm=0.25)
+    assert printed(sheet, PRINTER, layer_mm=0.2) == printed(sheet, PRINTER, layer_mm=0.1) == []
+    assert only(printed(sheet, PRINTER, layer_mm=0.15), "web-between-layers", Severity.NOTE)
+    found = printed(sheet, PRINTER, layer_mm=0.25)
     assert only(found, "web-too-thin", Severity.ERROR)
     assert len(found[0].creases) == 1
 
 
-def test_sides_that_lean_out_are_told_by_their_angle():
+def test_sides_that_lean_out_are_reported_by_their_angle():
     """With the axis in the middle a mountain of 60 degrees leans out by 30 below."""
     sheet = solid(book(-60.0), thickness_mm=1.0, gap_mm=0.5, axis="middle")
-    assert not only(told(sheet, PRINTER, overhang_deg=30.0), "overhang-too-flat")
-    found = told(sheet, PRINTER, overhang_deg=29.9)
+    assert not only(printed(sheet, PRINTER, overhang_deg=30.0), "overhang-too-flat")
+    found = printed(sheet, PRINTER, overhang_deg=29.9)
     assert only(found, "overhang-too-flat")
     assert found[0].panels == (0, 1)
     bottom = solid(book(-60.0), thickness_mm=1.0, gap_mm=0.5)
     valley = solid(book(60.0), thickness_mm=1.0, gap_mm=0.5, axis="middle")
-    assert told(bottom, PRINTER, overhang_deg=0.0) == told(valley, PRINTER, overhang_deg=0.0) == []
+    assert (
+        printed(bottom, PRINTER, overhang_deg=0.0)
+        == printed(valley, PRINTER, overhang_deg=0.0)
+        == []
+    )
 
 
 def test_webs_over_air_are_bridges_and_those_on_the_bed_are_not():
     aloft = solid(book(0.0), thickness_mm=1.0, gap_mm=0.5, axis="middle")
-    assert not only(told(aloft, PRINTER, bridge_mm=0.5), "bridge-too-long")
-    assert only(told(aloft, PRINTER, bridge_mm=0.49), "bridge-too-long")
-    assert told(solid(book(0.0), thickness_mm=1.0, gap_mm=0.5), PRINTER, bridge_mm=0.0) == []
+    assert not only(printed(aloft, PRINTER, bridge_mm=0.5), "bridge-too-long")
+    assert only(printed(aloft, PRINTER, bridge_mm=0.49), "bridge-too-long")
+    assert printed(solid(book(0.0), thickness_mm=1.0, gap_mm=0.5), PRINTER, bridge_mm=0.0) == []
 
 
 def test_two_materials_need_two_extruders():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.5)
-    assert only(told(sheet, PRINTER, extruders=1), "one-material", Severity.NOTE)
+    assert only(printed(sheet, PRINTER, extruders=1), "one-material", Severity.NOTE)
 
 
-def test_narrow_tops_are_told():
+def test_narrow_tops_are_reported():
     """The top of each half is 20 mm less its gap and the bevel of 60 degrees wide."""
     sheet = solid(book(120.0), thickness_mm=5.0, gap_mm=0.5, axis="bottom")
     top = SIDE_MM - 0.25 - 5 * np.tan(np.radians(60))
     s0 = sheet.panels.setbacks.axis_mm.max()
     top += 0.25 - s0
     assert panel_widths_mm(sheet.panels) == pytest.approx([top, top])
-    assert not only(told(sheet, PRINTER, nozzle_mm=top - 0.001), "wall-too-thin")
-    found = told(sheet, PRINTER, nozzle_mm=top + 0.001)
+    assert not only(printed(sheet, PRINTER, nozzle_mm=top - 0.001), "wall-too-thin")
+    found = printed(sheet, PRINTER, nozzle_mm=top + 0.001)
     assert only(found, "wall-too-thin")
     assert found[0].panels == (0, 1)
 
@@ -197,9 +206,9 @@ def test_narrow_tops_are_told():
 def test_size_is_checked_however_the_print_lies():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.5)  # 40 x 20 x 1 mm
     sizes = {"bed_mm": (20.0, 40.0), "margin_mm": 0.0, "height_mm": 1.0}
-    assert told(sheet, PRINTER, **sizes) == []
-    assert only(told(sheet, PRINTER, **sizes | {"height_mm": 0.99}), "print-too-high", "error")
-    found = told(sheet, PRINTER, **sizes | {"bed_mm": (20.0, 32.0)})
+    assert printed(sheet, PRINTER, **sizes) == []
+    assert only(printed(sheet, PRINTER, **sizes | {"height_mm": 0.99}), "print-too-high", "error")
+    found = printed(sheet, PRINTER, **sizes | {"bed_mm": (20.0, 32.0)})
     assert only(found, "print-too-large", "error")
     assert "40 x 20 mm" in found[0].text
     assert "0.8 of its size" in found[0].text
@@ -211,7 +220,7 @@ def test_size_is_checked_however_the_print_lies():
     assert inspect_print(sheet, askew, PRINTER.model_copy(update=sizes)) == []
 
 
-def test_webs_that_stretch_too_far_are_told_with_the_gap_that_helps():
+def test_webs_that_stretch_too_far_are_reported_with_the_gap_that_helps():
     sheet = solid(book(90.0), thickness_mm=1.0, gap_mm=0.8)  # webs of 0.2 mm, 0.8 long
     strain = 0.2 * np.radians(90) / (2 * 0.8)
     material = load_print_material("tpu_95a_filament")
@@ -232,14 +241,13 @@ def test_figures_of_mass_and_bed_area():
     sheet = solid(book(0.0), thickness_mm=1.0, gap_mm=0.5)
     joined = joined_mesh(sheet.joining)
     material = load_print_material("pp_filament")
-    figures, findings = inspect_thick(
-        sheet, joined, [flat_panels(sheet.pattern)], printer=PRINTER, material=material
-    )
+    solids, findings = inspect_solids(sheet, manifolds(sheet.bodies), joined)
+    figures = print_figures(solids.volume_mm3, joined, material)
     assert findings == []
     web = 0.5 * (SIDE_MM - 0.2)  # ends 0.1 mm before the corners
     assert figures.bed_area_mm2 == pytest.approx(SIDE_MM * (2 * SIDE_MM - 0.5) + web)
     volume = SIDE_MM * (2 * SIDE_MM - 0.5) + 0.2 * web
-    assert figures.volume_mm3 == pytest.approx(volume)
+    assert solids.volume_mm3 == pytest.approx(volume)
     assert figures.mass_g == pytest.approx(volume * 900 * 1e-6)
     none = TriangleMesh(np.empty((0, 3)), np.empty((0, 3), np.int64), np.empty(0, np.int64))
     assert bed_area_mm2(none) == 0

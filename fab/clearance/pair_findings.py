@@ -1,0 +1,191 @@
+"""Pairs of bodies that overlap or come too near in some states, as findings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fab.clearance.pair_checks import OVERLAP_MM3, PairCheck
+from fab.clearance.thickness_limit import clear_up_to
+from fab.errors import Finding, Severity, counted
+from fab.folding.folded_states import Stage
+from fab.panels.inset_limits import rounded_down
+from fab.panels.thick_sheet import ThickSheet
+from solver.vectors import IntArray
+
+__all__ = ["pair_findings"]
+
+# Panels without a common crease are close at less than this share of the least promised distance.
+_CLOSE = 0.5
+# Faces that bend by less are flat.
+_BENT_MM = 1e-3
+# Pairs of each kind that have a finding of their own in one state.
+_LISTED_PAIRS = 10
+
+
+def pair_findings(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
+    """Findings of pairs in all states: one a pair when flat and at the target, the worst first.
+
+    Between these states there is one finding for all overlaps, and one for all that is too near.
+    """
+    between = [check for check in checks if check.state.stage == Stage.BETWEEN]
+    ends = [check for check in checks if check.state.stage != Stage.BETWEEN]
+    findings = [finding for check in ends for finding in _of_state(sheet, check)]
+    return [*findings, *_jams(sheet, between), *_near_between(sheet, between)]
+
+
+def _of_state(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
+    """Findings of the flat state or of the target."""
+    near, close = (
+        rows[np.argsort(check.apart_mm[rows], kind="stable")]
+        for rows in (_too_near(check), _close(check))
+    )
+    findings = _overlaps(sheet, check)
+    for row in near[:_LISTED_PAIRS].tolist():
+        code, cure = "clearance-too-small", "Raise gap_mm, or enlarge the sheet."
+        measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
+        findings.append(_finding(sheet, check, row, len(near), code, Severity.ERROR, measure, cure))
+    for row in close[:_LISTED_PAIRS].tolist():
+        code, cure = "panels-close", "Raise gap_mm, or lower thickness_mm."
+        measure = f"are {check.apart_mm[row]:.4g} mm apart, without a common crease"
+        findings.append(
+            _finding(sheet, check, row, len(close), code, Severity.WARNING, measure, cure)
+        )
+    return findings
+
+
+def _overlaps(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
+    rows = check.overlapping
+    cure = _cure(sheet, check) if len(rows) else ""
+    bend = check.state.bend_mm
+    bent = f", where rigid panels lie up to {bend:.3g} mm off the bent faces"
+    findings = []
+    for row in rows[:_LISTED_PAIRS].tolist():
+        shared, depth = check.overlap_mm3[row], check.depth_mm[row]
+        measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
+        measure += bent if bend > _BENT_MM else ""
+        # faces that bend may have more room than the rigid ones nearest to them
+        severity = Severity.ERROR if check.deep[row] else Severity.WARNING
+        findings.append(
+            _finding(sheet, check, row, len(rows), "solids-overlap", severity, measure, cure)
+        )
+    return findings
+
+
+def _finding(
+    sheet: ThickSheet,
+    check: PairCheck,
+    row: int,
+    count: int,
+    code: str,
+    severity: Severity,
+    measure: str,
+    cure: str,
+) -> Finding:
+    """The finding of one of `count` pairs."""
+    text, panels, creases = _named(sheet, check, row)
+    more = f" (one of {count} pairs)" if count > _LISTED_PAIRS else ""
+    text = f"{check.state.name}: {text} {measure}{more}. {cure}"
+    return Finding(code, severity, text, creases, panels)
+
+
+def _too_near(check: PairCheck) -> IntArray:
+    """Panels across a crease that are nearer than promised, without overlapping."""
+    near = ~check.may_touch & (check.edges >= 0) & (check.apart_mm < check.wanted_mm)
+    return np.flatnonzero(near & (check.overlap_mm3 <= OVERLAP_MM3))
+
+
+def _close(check: PairCheck) -> IntArray:
+    """Other panels that come closer than all creases do, or touch, without overlapping."""
+    other = ~check.may_touch & (check.edges < 0) & (check.overlap_mm3 <= OVERLAP_MM3)
+    return np.flatnonzero(other & (check.apart_mm < _CLOSE * check.wanted_mm))
+
+
+def _named(
+    sheet: ThickSheet, check: PairCheck, pair: int
+) -> tuple[str, tuple[int, ...], tuple[int, ...]]:
+    """Both bodies in words, their panels and their crease."""
+    first, second = check.pairs[pair].tolist()
+    panels = tuple(int(face) for face in check.faces[[first, second]] if face >= 0)
+    text = f"{check.names[first]} and {check.names[second]}"
+    edge = int(check.edges[pair])
+    if edge < 0:
+        return text, panels, ()
+    angle, end = check.state.angles_deg[edge], sheet.pattern.edges_foldAngle[edge]
+    text += f" across crease {edge} (at {angle:.4g} degrees, made for {end:.4g})"
+    return text, panels, (edge,)
+
+
+def _cure(sheet: ThickSheet, check: PairCheck) -> str:
+    """What keeps panels that overlap in a state apart: how thin they must be."""
+    if check.state.stage == Stage.FLAT:
+        return "The flat sheet overlaps itself, or its faces are too thin for their gaps."
+    given = sheet.panel.thickness_mm
+    bound = clear_up_to(sheet.pattern, sheet.panel, sheet.hinge, check.state)
+    if bound is None:
+        return "They do at every thickness that such hinges allow: fold less, or raise gap_mm."
+    if bound == given:
+        return "Raise gap_mm or clearance_mm, or fold less."
+    return (
+        f"No panels overlap with thickness_mm at most {rounded_down(bound)}; or raise gap_mm, or "
+        "fold less."
+    )
+
+
+def _jams(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
+    """One finding for all overlaps between flat and the target."""
+    deep = [
+        (float(check.depth_mm[row]), check, row)
+        for check in checks
+        for row in np.flatnonzero(check.overlap_mm3 > OVERLAP_MM3).tolist()
+    ]
+    if not deep:
+        return []
+    depth, check, row = max(deep, key=lambda item: item[0])
+    text, panels, creases = _named(sheet, check, row)
+    return [
+        Finding(
+            "panels-jam",
+            Severity.WARNING,
+            f"panels jam between flat and the target: {_states(deep)}. Worst are {text}, up to "
+            f"{depth:.3g} mm deep {check.state.name}, where rigid panels lie up to "
+            f"{check.state.bend_mm:.3g} mm off the simulated sheet: they bend by as much, or "
+            "do not pass. Raise gap_mm or lower thickness_mm.",
+            creases,
+            panels,
+        )
+    ]
+
+
+def _near_between(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
+    """One finding for all that come too near between flat and the target."""
+    near = [
+        (float(check.wanted_mm[row] - check.apart_mm[row]), check, row)
+        for check in checks
+        for row in _too_near(check).tolist()
+    ]
+    if not near:
+        return []
+    _, check, row = max(near, key=lambda item: item[0])
+    text, panels, creases = _named(sheet, check, row)
+    return [
+        Finding(
+            "clearance-between",
+            Severity.WARNING,
+            f"panels come nearer between flat and the target than at either: {_states(near)}. "
+            f"Worst are {text}, {check.apart_mm[row]:.4g} mm apart {check.state.name}, where rigid "
+            f"panels lie up to {check.state.bend_mm:.3g} mm off the simulated sheet. "
+            "Raise gap_mm.",
+            creases,
+            panels,
+        )
+    ]
+
+
+def _states(found: Sequence[tuple[float, PairCheck, int]]) -> str:
+    """How many pairs, and in which states."""
+    counts: dict[str, int] = {}
+    for _, check, _ in found:
+        counts[check.state.name] = counts.get(check.state.name, 0) + 1
+    return ", ".join(f"{counted(count, 'pair')} {name}" for name, count in counts.items())
