@@ -1,12 +1,12 @@
-"""On which plates is a thick sheet printed that is larger than the printer's bed?
+"""Plates of a thick sheet that is larger than the printer's bed.
 
 It is divided into parts along as few creases as are found, which are joined after printing
-(`fab.dovetails`); the parts lie on as few plates as are found.
+(`fab.printing.dovetails`); the parts lie on as few plates as are found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -22,14 +22,17 @@ from fab.layout.face_sets import Sheet, extent, outer_corners, upright
 from fab.layout.nesting import Placements, nest
 from fab.layout.partition import partition
 from fab.panels.thick_sheet import ThickSheet
-from fab.printing.dovetails import Joint, depths_mm, jointed, make_joints
+from fab.printing.dovetails import Joint, make_joints
+from fab.printing.joint_plans import depths_mm
+from fab.printing.jointed_sheet import jointed
 from fab.printing.plate_settings import PlateSettings
+from fab.progress import Steps, no_steps
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-# Where neither the settings nor a printer say it.
+# The margin of a bed where neither the settings nor a printer have one.
 _MARGIN_MM = 5.0
-# Outlines are told on a grid, so that the sides of faces meet.
+# Outlines are rounded to a grid, so that the sides of faces meet.
 _GRID_MM = 1e-6
 
 __all__ = ["Part", "Plates", "make_plates"]
@@ -37,7 +40,7 @@ __all__ = ["Part", "Plates", "make_plates"]
 
 @dataclass(frozen=True)
 class Part:
-    """What is printed in one go, where it stands on its plate.
+    """What is printed in one piece, where it stands on its plate.
 
     Attributes
     ----------
@@ -95,7 +98,7 @@ class Plates:
         )
 
     def guide(self) -> dict[str, Any]:
-        """Which part lies where, and which joints are closed in which order; plain values.
+        """The place of each part, and the joints in the order of assembling; plain values.
 
         Joints are numbered from 1 in the order of assembling: a part is joined to all before it
         that it has joints with. A part with pockets is laid over the tongues of the other.
@@ -138,7 +141,7 @@ def make_plates(
     sheet: ThickSheet,
     bed_mm: tuple[float, float],
     settings: PlateSettings,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Steps = no_steps,
 ) -> tuple[Plates, list[Finding]]:
     """Parts of a thick sheet that fit a bed, with joints, on plates.
 
@@ -150,20 +153,14 @@ def make_plates(
     and for one that is smaller than a face with the joints around it.
     """
     room = _room(bed_mm, settings)
-    pattern, standing = sheet.pattern, sheet.panels.faces
-    if not len(standing):
+    pattern = sheet.pattern
+    if not len(sheet.panels.faces):
         cure = "Lower thickness_mm or gap_mm, or enlarge the sheet."
         raise InvalidValue("panels", 0, "be at least 1", cure)
     steps = 2 * pattern.face_count
-
-    def tell(done: int, _: int) -> None:
-        if progress is not None:
-            progress(done, steps)
-
     joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
     flat = _flat(sheet, joined, bed_mm, room, settings)
-    sets = [faces[np.isin(faces, standing)] for faces in partition(flat, tell)]
-    sets = [faces for faces in sets if len(faces)]
+    sets = _face_sets(sheet, partition(flat, lambda done, _: progress(done, steps)))
     owner = np.full(pattern.face_count, -1)
     for number, faces in enumerate(sets):
         owner[faces] = number
@@ -174,8 +171,8 @@ def make_plates(
     joints, findings = make_joints(sheet, _cuts(pattern.edges_faces, inner, owner), settings.joints)
     whole, homes = jointed(sheet, joints, settings.joints)
 
-    def placed(done: int, of: int) -> None:
-        tell(pattern.face_count + pattern.face_count * done // of, steps)
+    def placed(done: int, total: int) -> None:
+        progress(pattern.face_count + pattern.face_count * done // total, steps)
 
     turns = np.array([upright(extent(flat, faces), flat.room_mm)[0] for faces in sets])
     turns = turns[np.argsort(rank)]
@@ -187,6 +184,12 @@ def make_plates(
     placements = nest(outlines, bed_mm, gap, margin_mm=margin, progress=placed)
     parts = _parts(whole, turns, owner, owner[homes], placements)
     return Plates(whole, parts, tuple(joints), bed_mm), findings
+
+
+def _face_sets(sheet: ThickSheet, sets: Sequence[IntArray]) -> list[IntArray]:
+    """Sets of faces without those that have no panel, and without empty ones."""
+    kept = [faces[np.isin(faces, sheet.panels.faces)] for faces in sets]
+    return [faces for faces in kept if len(faces)]
 
 
 def _room(bed_mm: tuple[float, float], settings: PlateSettings) -> tuple[float, float]:
@@ -216,12 +219,12 @@ def _flat(
     both = np.stack([ends, ends[:, ::-1]], axis=1).reshape(-1, 2, 2)
     high = np.repeat(depths_mm(sheet, settings.joints), 2)
     reach = outer_corners(both, high, np.full((len(both), 2), np.pi / 2)).reshape(-1, 2, 2, 2)
-    told = (
+    room_text = (
         f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less margin_mm = {_margin_mm(settings):g} "
         "on each side"
     )
     none = np.zeros(len(joined), bool)
-    return Sheet(pattern, joined, reach, none, room_mm, told, ("joints", "depth_mm"))
+    return Sheet(pattern, joined, reach, none, room_mm, room_text, ("joints", "depth_mm"))
 
 
 def _cuts(edges_faces: IntArray, edges: IntArray, owner: IntArray) -> IntArray:
@@ -245,7 +248,11 @@ def _parts(
     bodies_part: IntArray,
     placements: Placements,
 ) -> tuple[Part, ...]:
-    """Turns : shape (n, 2, 2), of the sheet before each part was placed."""
+    """The parts where they were placed, in the order of assembling.
+
+    turns : shape (n, 2, 2), of the sheet before each part was placed. faces_part, bodies_part : the
+    part of each face and of each body.
+    """
     parts = []
     for item in sorted(placements.items, key=lambda item: item.piece):
         numbers = np.flatnonzero(bodies_part == item.piece)
@@ -254,7 +261,7 @@ def _parts(
         turn, shift = np.eye(3), np.zeros(3)
         turn[:2, :2] = item.turn @ turns[item.piece]
         shift[:2], shift[2] = item.shift, -bodies.vertices_coords[:, 2].min()
-        standing = mesh.vertices_coords @ turn.T + [*item.shift, 0.0]
+        coords = mesh.vertices_coords @ turn.T + [*item.shift, 0.0]
         parts.append(
             Part(
                 piece_name(item.piece),
@@ -263,7 +270,7 @@ def _parts(
                 numbers,
                 turn,
                 shift,
-                replace(mesh, vertices_coords=standing),
+                replace(mesh, vertices_coords=coords),
             )
         )
     return tuple(parts)
@@ -283,7 +290,7 @@ def _outlines(
             for joint in (joints[number] for number in np.flatnonzero(joint_parts == part).tolist())
         ]
         figure = shapely.union_all([*faces, *shapely.convex_hull(reach)], grid_size=_GRID_MM)
-        # of faces without panels between them
+        # in several pieces where faces without a panel are between them
         whole = figure if isinstance(figure, shapely.Polygon) else shapely.convex_hull(figure)
         out.append(whole)
     return out

@@ -1,4 +1,4 @@
-"""What do the bodies of a thick sheet look like, flat and folded?
+"""Pictures of the bodies of a thick sheet, flat and folded.
 
 Triangles are drawn into a buffer of depths, pixel by pixel, so that what lies in front hides what
 lies behind, also where bodies pass through each other.
@@ -14,6 +14,7 @@ import numpy as np
 
 from fab.folding.folded_states import FoldedState
 from fab.geometry.bodies import Bodies
+from fab.panels.body_colours import body_assignments
 from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.picture import principal_axes
 from solver.vectors import FloatArray, IntArray, cross, unit
@@ -21,7 +22,7 @@ from solver.vectors import FloatArray, IntArray, cross, unit
 __all__ = ["folded_bodies", "rendered", "thick_png_bytes"]
 
 _PIXELS = 800
-# Drawn so much finer, then averaged.
+# Pictures are drawn finer by this factor, then averaged.
 _FINER = 2
 _MARGIN = 0.04
 # Triangles times rows, or pixels, that are worked on at once.
@@ -79,9 +80,9 @@ def folded_bodies(sheet: ThickSheet, state: FoldedState) -> tuple[Bodies, IntArr
     bent = np.flatnonzero(face < 0)
     edge = sheet.creases[numbers][owner[bent]]
     start, end = pattern.vertices_coords[pattern.edges_vertices[edge]].swapaxes(0, 1)
-    way, off = end - start, bodies.vertices_coords[bent, :2] - start
-    # the first face of an edge lies to the left of it
-    left = way[:, 0] * off[:, 1] > way[:, 1] * off[:, 0]
+    along, off = end - start, bodies.vertices_coords[bent, :2] - start
+    # the first face of an edge is on its left
+    left = along[:, 0] * off[:, 1] > along[:, 1] * off[:, 0]
     face[bent] = np.where(left, *pattern.edges_faces[edge].T)
     moved = np.squeeze(state.turns[face] @ bodies.vertices_coords[:, :, None], axis=2)
     moved += state.shifts[face]
@@ -92,8 +93,8 @@ def _colours(sheet: ThickSheet, numbers: IntArray) -> FloatArray:
     """A colour for every triangle of some bodies, seen in the flat state, shape (nt, 3)."""
     flat = sheet.bodies.chosen(numbers)
     creases, soft = sheet.creases[numbers], sheet.flexible[numbers]
-    letters = sheet.pattern.edges_assignment
-    own = np.array([_HINGES.get(letters[e], _OTHER) if e >= 0 else _OTHER for e in creases])
+    letters = body_assignments(sheet)
+    own = np.array([_HINGES.get(letters[number], _OTHER) for number in numbers.tolist()])
     down = _normals(flat)[:, 2] < -0.999
     panels = np.where(down[:, None], _LOWER, _UPPER)
     is_hinge = (soft | (creases >= 0))[flat.triangles_body]
@@ -166,10 +167,10 @@ def _nearest(corners: FloatArray, size: int) -> IntArray:
     lowest, highest = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
     top = np.maximum(np.ceil(corners[:, :, 1].min(axis=1) - 0.5), 0).astype(np.int64)
     end = np.minimum(np.ceil(corners[:, :, 1].max(axis=1) - 0.5), size).astype(np.int64)
-    for one in _chunks(end - top):
-        triangle, row = _counted(end[one] - top[one])
-        row += top[one][triangle]
-        triangle += one.start
+    for chunk in _chunks(end - top):
+        triangle, row = _counted(end[chunk] - top[chunk])
+        row += top[chunk][triangle]
+        triangle += chunk.start
         left, right = _spans(corners[triangle], np.asarray(row + 0.5, np.float64))
         first = np.maximum(np.ceil(left - 0.5), 0).astype(np.int64)
         count = np.minimum(np.ceil(right - 0.5), size).astype(np.int64) - first
@@ -188,7 +189,7 @@ def _nearest(corners: FloatArray, size: int) -> IntArray:
 
 
 def _chunks(counts: IntArray) -> list[slice]:
-    """Runs of items, each with about as many things in all as are worked on at once."""
+    """Runs of items with given counts of parts, each run as large as is worked on at once."""
     total = np.cumsum(np.maximum(counts, 0))
     if not len(total):
         return []
@@ -198,14 +199,14 @@ def _chunks(counts: IntArray) -> list[slice]:
 
 
 def _counted(counts: IntArray) -> tuple[IntArray, IntArray]:
-    """For items that have so many things each: the item of every thing, and its number there."""
+    """For items with given counts of parts: the item of every part, and its number in it."""
     counts = np.maximum(counts, 0)
     item = np.repeat(np.arange(len(counts)), counts)
     return item, np.arange(len(item)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _spans(corners: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """From where to where triangles (n, 3, 3) reach in x at the heights y, shape (n,)."""
+    """Least and largest x of triangles (n, 3, 3) at the heights y, shapes (n,)."""
     x, height = corners[:, :, 0], corners[:, :, 1]
     left, right = np.full(len(y), np.inf), np.full(len(y), -np.inf)
     for i, j in ((0, 1), (1, 2), (2, 0)):

@@ -22,7 +22,8 @@ from fab.jobs.job import load_job
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
-from fab.printing.dovetails import jointed, make_joints
+from fab.printing.dovetails import make_joints
+from fab.printing.jointed_sheet import jointed
 from fab.printing.plate_settings import JointSettings, PlateSettings
 from fab.printing.plates import make_plates
 from solver.errors import InvalidValue
