@@ -11,7 +11,7 @@ from fab.pattern.crease_pattern import CreasePattern
 
 
 def creased(pattern: CreasePattern, angles_deg, folded=None) -> CreasePattern:
-    """The pattern with other fold angles, and letters that tell them."""
+    """The pattern with other fold angles, and letters that agree."""
     letters = np.where(angles_deg > 0, "V", np.where(angles_deg < 0, "M", "F"))
     letters[pattern.edges_faces[:, 1] < 0] = "B"
     return replace(
@@ -26,9 +26,9 @@ def ringed(ring, angles_deg) -> CreasePattern:
     around = [[n + i, n + (i + 1) % n, (i + 1) % n, i] for i in range(n)]
     pattern = pattern_of(coords, [list(range(n)), *around])
     signed = np.zeros(len(pattern.edges_vertices))
-    one, two = np.sort(pattern.edges_vertices[:], axis=1).T
-    inner = np.flatnonzero(two < n)
-    side = np.where(two[inner] - one[inner] == 1, one[inner], two[inner])
+    low, high = np.sort(pattern.edges_vertices, axis=1).T
+    inner = np.flatnonzero(high < n)
+    side = np.where(high[inner] - low[inner] == 1, low[inner], high[inner])
     signed[inner] = np.broadcast_to(angles_deg, n)[side]
     return creased(pattern, signed)
 

@@ -6,5 +6,5 @@
 - `thick_inspection`: all of these, in all states, with the figures of a report
 - `thickness_limit`: the largest thickness at which no panels overlap
 
-What is measured here is true of any bodies; printers are of `fab.printing`.
+Nothing in this wing depends on a printer: that is `fab.printing`.
 """

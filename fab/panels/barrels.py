@@ -28,7 +28,7 @@ __all__ = ["IN_BOTTOM", "IN_TOP", "BarrelRow", "Barrels", "barrel_rows", "solid_
 _NOTCH = 1e-6
 # Planes of triangles that go on in the bottom or the top of the panel.
 IN_BOTTOM, IN_TOP = -1, -2
-# The first corners of a section lie on the wall of the panel: bottom, axis, top.
+# Corners of a section on the wall of the panel, the first ones: bottom, axis, top.
 _ON_WALL = 3
 
 

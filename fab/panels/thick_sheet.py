@@ -42,7 +42,7 @@ class ThickSheet:
     creases : shape (n,), the edge that a web belongs to; -1 for others.
     flexible : shape (n,), whether it is of the second, softer material.
     knuckles : where barrels of two panels turn about a pin.
-    held : shape (k,), the edges whose two panels hold together by a hinge of any kind.
+    held : shape (k,), the edges at which a hinge of any kind holds two panels together.
     joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
         webs reach into their panels. Panels stand on a film without a gap.
     """

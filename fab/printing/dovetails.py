@@ -127,7 +127,7 @@ def make_joints(
     """A joint for each of some creases.
 
     cuts : shape (n, 3): edge, face that should carry the tongues, face that should have the
-    pockets; the other way round where there is no room for pockets but in the first.
+    pockets; exchanged where only the first has room for pockets.
 
     Creases that have no web, or several, are taped. Raises `InvalidValue` for tongues that leave no
     roof of `roof_mm` above their pockets.
@@ -222,11 +222,12 @@ def _findings(site: _Site, joints: Sequence[Joint]) -> list[Finding]:
             why = f"no roof of {settings.roof_mm:g} mm above a strap"
         which = ("crease between parts is", "creases between parts are")
         joined = "joined by pins" if kind == "pin" else "to be taped"
+        most = "the longest, " if len(edges) > 1 else ""
         findings.append(
             Finding(
                 f"joint-{kind}",
                 Severity.WARNING,
-                f"{counted(len(edges), *which)} {joined}: the longest, crease {longest} of "
+                f"{counted(len(edges), *which)} {joined}: {most}crease {longest} of "
                 f"{length[longest]:.4g} mm, has {why}. Lower mouth_mm, depth_mm or wall_mm, or "
                 "enlarge the sheet.",
                 creases=first_few(edges),

@@ -92,7 +92,7 @@ class Frame:
         return self.origin + points[..., :1] * self.along + points[..., 1:] * self.inward
 
     def x(self, points: FloatArray) -> FloatArray:
-        """How far along the crease points of the sheet lie."""
+        """Coordinate along the crease of points of the sheet."""
         return np.asarray((points - self.origin) @ self.along)
 
 

@@ -52,7 +52,7 @@ def print_figures(
 
 
 def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> list[Finding]:
-    """Findings about size, walls, gaps, webs, overhangs and materials; each says what helps."""
+    """Findings about size, walls, gaps, webs, overhangs and materials; each with its cure."""
     return [
         *_size(joined, printer),
         *_walls(sheet.panels, printer),

@@ -2,7 +2,7 @@
 
     pytest tests/bench --benchmark-only
 
-Ratios, the exponent of the cost and the peak of memory stand in the benchmark's `extra_info`. The
+Ratios, the exponent of the cost and the peak of memory are in the benchmark's `extra_info`. The
 states are exact folds of Miura sheets, so that the time of a simulation is not in it.
 """
 
@@ -27,7 +27,7 @@ HINGES = HingeSettings(web_mm=0.2, relief_mm=0.1)
 
 
 def folds(faces: int):
-    """A Miura sheet of so many faces, 20 mm each, and ten states from flat to its target."""
+    """A Miura sheet of about as many faces, 20 mm each, and ten states from flat to its target."""
     side = round(faces**0.5)
     shares = np.linspace(0, 1, 10)
     states, target = [], None

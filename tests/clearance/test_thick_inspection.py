@@ -16,9 +16,8 @@ from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Severity
 from fab.folding.folded_states import Stage, flat_panels, folded_states, panels_at
 from fab.formats.fold_reader import read_pattern
-from fab.geometry.bodies import bodies_of, stacked
+from fab.geometry.bodies import bodies_of
 from fab.geometry.booleans import joined_mesh, manifolds
-from fab.geometry.separating_planes import apart_along, apart_at_least, near_pairs
 from fab.panels.bevelled_panels import PanelSettings, make_panels
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
@@ -26,7 +25,6 @@ from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
 from fab.printing.printability import bed_area_mm2
 from solver import Miura
-from solver.errors import InvalidValue
 
 
 def inspected(sheet, states, **options):
@@ -166,7 +164,7 @@ def test_a_panel_in_a_wrong_pose_is_caught_and_named(miura):
     named = [f for f in findings if f.code in ("clearance-too-small", "solids-overlap")]
     assert named
     assert all(9 in f.panels for f in named)
-    # on the way it is a warning
+    # between flat and the target it is a warning
     between = replace(last, turns=turns, shifts=shifts, stage=Stage.BETWEEN, share=0.5)
     _, findings = inspected(sheet, [between])
     assert set(codes(findings)) <= {"panels-jam", "clearance-between"}
@@ -279,58 +277,6 @@ def test_creases_over_the_limit_end_the_check_there():
     assert {"solids-overlap", "panels-jam"} <= set(codes(findings))
 
 
-def test_states_of_patterns_that_fold_flat_and_of_those_that_do_not_fold():
-    states, findings = folded_states(book(0.0))
-    assert [state.name for state in states] == ["flat"]
-    assert findings == []
-    pattern = book(90.0)
-    states, findings = folded_states(pattern, 2)
-    assert [s.name for s in states] == [
-        "flat",
-        "at 33 % of the fold",
-        "at 67 % of the fold",
-        "at the target",
-    ]
-    crease = np.flatnonzero(pattern.edges_faces[:, 1] >= 0)[0]
-    assert [s.angles_deg[crease] for s in states] == pytest.approx([0, 30, 60, 90])
-    assert max(s.bend_mm for s in states) < 1e-9
-    assert [s.name for s in folded_states(pattern, 0)[0]] == ["flat", "at the target"]
-    with pytest.raises(InvalidValue, match="count"):
-        folded_states(pattern, -1)
-
-
-def test_states_have_the_share_of_angles_that_they_reach():
-    """A square twist does not fold rigidly: pulled at its creases it lies still, and then snaps."""
-    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "square_twist.fold")
-    states, _ = folded_states(pattern, 4)
-    inner = pattern.edges_faces[:, 1] >= 0
-    for state in states[1:-1]:
-        # bent into a bowl, mountains are on the wrong side
-        right = state.angles_deg[inner] * pattern.edges_foldAngle[inner] > 0
-        angles = np.abs(state.angles_deg[inner][right])
-        assert 0 < len(angles) < inner.sum()
-        assert state.share == pytest.approx(angles.sum() / (180 * inner.sum()))
-        assert 0 < state.share < 0.03
-        assert state.name == f"at {100 * state.share:.2g} % of the fold"
-    assert len({state.name for state in states}) == len(states)
-    assert states[-1].name == "at the target"
-
-
-def test_a_fold_that_misses_its_target_is_reported():
-    pattern, _ = read_pattern(ROOT / "tests" / "patterns" / "resch.fold")
-    states, (finding,) = folded_states(pattern, 3)
-    assert (finding.code, finding.severity) == ("target-not-reached", Severity.NOTE)
-    assert states[-1].stage == Stage.TARGET
-    mesh = Miura(columns=3, rows=3).grow().mesh
-    pattern = crease_pattern(mesh, develop(mesh), 20.0)
-    angle = pattern.edges_foldAngle.copy()
-    inner = np.flatnonzero(angle)
-    angle[inner[0]] *= -0.5
-    states, findings = folded_states(replace(pattern, edges_foldAngle=angle, folded_coords=None), 3)
-    assert [f.severity for f in findings] == [Severity.WARNING]
-    assert states[-1].stage == Stage.BETWEEN
-
-
 def test_unsound_bodies_are_caught(miura):
     sheet, states = miura
     mesh = sheet.bodies.mesh(3)
@@ -371,61 +317,6 @@ def test_loose_panels_and_a_wrong_joined_body_are_caught(miura):
     figures, findings = inspect_thick(loose, joined_mesh(sheet.joining), states[:1])
     assert figures.solids.bodies == 20
     assert codes(findings) == ["joined-invalid", "panels-loose"]
-
-
-def boxes(corners, sizes):
-    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
-    parts = []
-    for (x, y, z), (a, b, c) in zip(corners, sizes, strict=True):
-        ring = square * [a, b] + [x, y]
-        solid = stacked(np.stack([ring, ring], axis=1), np.array([0, 4]), np.array([z, z + c]))
-        parts.append(solid.mesh(0))
-    return bodies_of(parts)
-
-
-def turned(bodies, seed):
-    """Each body turned about its own place at random."""
-    rng = np.random.default_rng(seed)
-    turns, _ = np.linalg.qr(rng.normal(size=(len(bodies), 3, 3)))
-    turns[:, :, 0] *= np.linalg.det(turns)[:, None]
-    return bodies.moved(turns, rng.normal(size=(len(bodies), 3)))
-
-
-@given(st.integers(0, 10_000))
-@settings(max_examples=40, deadline=None)
-def test_planes_never_claim_more_than_the_exact_distance(seed):
-    rng = np.random.default_rng(seed)
-    bodies = turned(boxes(rng.uniform(-2, 2, (12, 3)), rng.uniform(0.1, 1.5, (12, 3))), seed)
-    pairs = np.array([(i, j) for i in range(12) for j in range(i + 1, 12)])
-    solids = manifolds(bodies)
-    exact = np.array([solids[i].min_gap(solids[j], 100.0) for i, j in pairs.tolist()])
-    bound = apart_at_least(bodies, pairs, np.full(len(pairs), np.inf))
-    assert (bound <= exact + 1e-9).all()
-    # and they decide nearly all that is to be decided
-    apart = exact > 0.05
-    assert (bound[apart] > 0.5 * exact[apart]).mean() > 0.95
-    way = rng.normal(size=(len(pairs), 3))
-    way /= np.linalg.norm(way, axis=1)[:, None]
-    assert (apart_along(bodies, pairs, way) <= exact + 1e-9).all()
-    overlap = np.array([(solids[i] ^ solids[j]).volume() for i, j in pairs.tolist()])
-    assert (bound[overlap > 1e-9] < 0).all()
-    reach = 0.3
-    near = {tuple(pair) for pair in near_pairs(bodies, reach).tolist()}
-    assert {tuple(p) for p in pairs[exact < reach].tolist()} <= near
-    low, high = bodies.boxes()
-    wide = ((low[:, None] <= high + reach) & (low <= high[:, None] + reach)).all(axis=2)
-    assert near == {tuple(p) for p in pairs.tolist() if wide[tuple(p)]}
-
-
-def test_planes_between_boxes_are_exact():
-    bodies = boxes([[0, 0, 0], [1.5, 0, 0], [0.25, 0.5, 0.75]], [[1, 1, 1]] * 3)
-    pairs = np.array([[0, 1], [0, 2], [1, 2]])
-    apart = apart_at_least(bodies, pairs, np.array([0.5, 1.0, 1.0]))
-    assert apart[:2] == pytest.approx([0.5, -0.25])
-    assert apart_along(bodies, pairs[:1], np.array([[np.nan] * 3])).tolist() == [-np.inf]
-    assert near_pairs(bodies, 0.4).tolist() == [[0, 2], [1, 2]]
-    assert near_pairs(bodies, 0.6).tolist() == [[0, 1], [0, 2], [1, 2]]
-    assert near_pairs(boxes([], []), 1.0).shape == (0, 2)
 
 
 def two_pieces(apart_mm: float) -> CreasePattern:

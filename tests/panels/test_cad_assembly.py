@@ -55,7 +55,7 @@ def test_joints_at_the_target_angles_give_the_folded_solids(name):
         assert len(corners) == end - first
     first, second = (np.concatenate(corners_of(compound)) for compound in (posed, placed))
     assert moved_onto(first, second) == pytest.approx(second, abs=1e-6)
-    # each is placed by one motion, however long its way along the tree
+    # each is placed by one motion, however deep it is in the tree
     assert all(c.wrapped.Location().NextLocation().IsIdentity() for c in posed.children)
     # what was given stays flat
     assert np.concatenate(corners_of(flat))[:, 2].max() <= 0.8

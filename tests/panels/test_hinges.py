@@ -60,7 +60,7 @@ def flat_coords(pattern):
 
 
 def common_mm3(bodies) -> float:
-    """The largest volume that two bodies share; all of them are tried whose boxes meet."""
+    """The largest volume that two bodies share, of all pairs whose boxes meet."""
     solids, (low, high) = manifolds(bodies), bodies.boxes()
     largest = 0.0
     for i in range(len(bodies)):
@@ -112,7 +112,7 @@ def test_corner_distances_are_those_of_the_formula(steps, angles, z):
     assert largest[0] == pytest.approx(exact.max(), rel=1e-9)
 
 
-def test_a_web_is_as_long_as_its_strain_wants():
+def test_a_web_is_as_long_as_its_strain_needs():
     """Thickness 0.4 bent by 90 degrees at strain 0.1: 0.4 (pi / 2) / (2 x 0.1) = pi."""
     pattern = folded_pair(90.0)
     hinge = HingeSettings(strain_max=0.1)
@@ -456,7 +456,7 @@ def test_hinges_that_panels_cannot_have_are_refused(panels, hinges, words):
         parse_job(job)
 
 
-def test_knuckles_are_as_thick_as_their_pin_wants():
+def test_knuckles_are_as_thick_as_their_pin_needs():
     hinge = HingeSettings(kind="knuckle")
     least = 2 * ((0.6 + 0.25) / np.cos(np.pi / 24) + 0.6)
     fits = PanelSettings(thickness_mm=least + 1e-9, axis="middle")

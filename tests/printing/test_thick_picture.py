@@ -1,4 +1,4 @@
-"""Pictures of solids: what is in front hides what is behind, colours tell sides and hinges."""
+"""Pictures of solids: what is in front hides what is behind; sides and hinges have colours."""
 
 import io
 
