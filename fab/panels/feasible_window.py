@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -101,12 +100,6 @@ class Window:
             "    but without overlap of panels at the target only with thickness_mm at most "
             f"{rounded_down(self.clear_max_mm)}, at this gap_mm"
         ]
-
-    def report(self) -> dict[str, Any]:
-        """The window as tables for a report."""
-        out = dict(vars(self))
-        out["rows"] = [dict(vars(row)) for row in self.rows]
-        return out
 
 
 def feasible_window(

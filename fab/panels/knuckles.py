@@ -52,12 +52,6 @@ class Knuckles:
     counts: IntArray
     play_mm: float
 
-    @property
-    def widths_mm(self) -> FloatArray:
-        """Length of each barrel of a hinge along its crease, shape (n,)."""
-        room = self.ends[:, 1] - self.ends[:, 0] - (self.counts - 1) * self.play_mm
-        return np.asarray(room / self.counts)
-
 
 def make_knuckles(
     pattern: CreasePattern, panels: Panels, settings: HingeSettings

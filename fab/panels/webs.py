@@ -16,7 +16,7 @@ from fab.panels.bevelled_panels import Panels
 from fab.panels.hinge_room import crease_runs, crease_sides, vertex_distances
 from fab.panels.hinges import HingeSettings, crease_kinds
 from fab.pattern.crease_pattern import CreasePattern
-from solver.vectors import BoolArray, FloatArray, IntArray
+from solver.vectors import BoolArray, IntArray
 
 __all__ = ["Webs", "inner_vertices", "make_webs"]
 
@@ -30,15 +30,11 @@ class Webs:
     bodies : one for each web, from panel to panel.
     reaching : the same webs, a little into their panels, to be joined with them.
     creases : the edge of each web, shape (n,).
-    ends : shape (n, 2), where each begins and ends, mm along its crease.
-    heights_mm : bottom and top of all webs, over the axes.
     """
 
     bodies: Bodies
     reaching: Bodies
     creases: IntArray
-    ends: FloatArray
-    heights_mm: tuple[float, float]
 
 
 # How far webs reach into their panels where both become one body.
@@ -81,8 +77,7 @@ def make_webs(
         rings = origin[:, None, None] + along * u[:, None, None] + corners * normal[:, None, None]
         return stacked(rings.reshape(-1, len(levels), 2), np.arange(len(creases) + 1) * 4, levels)
 
-    ends = np.column_stack([low, high])
-    return Webs(strips(0.0), strips(_REACH_MM), creases, ends, heights), findings
+    return Webs(strips(0.0), strips(_REACH_MM), creases), findings
 
 
 def inner_vertices(pattern: CreasePattern) -> BoolArray:

@@ -255,9 +255,9 @@ def test_stitched_panels_are_the_union_of_panels_and_barrels(corners, angle, hol
     knuckles, _ = make_knuckles(pattern, sheet.panels, hinge)
     added = np.zeros(len(bare.bodies))
     back = sheet.panels.setbacks
-    for crease, count, width in zip(
-        knuckles.creases, knuckles.counts, knuckles.widths_mm, strict=True
-    ):
+    lengths = np.diff(knuckles.ends, axis=1).ravel() - (knuckles.counts - 1) * knuckles.play_mm
+    widths = lengths / knuckles.counts
+    for crease, count, width in zip(knuckles.creases, knuckles.counts, widths, strict=True):
         half = np.arctan(max(back.above[crease], back.below[crease]))
         first, second = pattern.edges_faces[crease]
         full, pin, bore = knuckle_sections(1.5, back.axis_mm[crease], half)
