@@ -186,7 +186,9 @@ def _files(
     from fab.panels.step import step_bytes
 
     sheet = checked.sheet if plates is None else plates.sheet
-    surfaces = {".stl": checked.joined} if plates is None else _plate_surfaces(plates)
+    surfaces: dict[str, TriangleMesh] = {}
+    if ThickFormat.STL in formats:
+        surfaces = {".stl": checked.joined} if plates is None else _plate_surfaces(plates)
 
     def objects() -> dict[str, bytes]:
         whole = {".3mf": [PrintObject(name, tuple(sheet_parts(checked.sheet)))]}
@@ -213,8 +215,6 @@ def _files(
         if kind in formats:
             with clock.stage(stage):
                 data |= write()
-    if ThickFormat.STL not in formats:
-        return data, []
     return data, [finding for surface in surfaces.values() for finding in inspect_stl(surface)]
 
 
