@@ -88,23 +88,21 @@ def rigid_sheet(
     bodies = rigid.bodies
     if len(knuckles.creases):
         bodies = with_knuckles(pattern, rigid, knuckles, hinge)
-    return (
-        ThickSheet(
-            pattern,
-            panel,
-            hinge,
-            panels,
-            bodies,
-            tuple(f"panel_{face}" for face in panels.faces),
-            panels.faces,
-            np.full(len(bodies), -1),
-            np.zeros(len(bodies), bool),
-            knuckles,
-            knuckles.creases,
-            bodies,
-        ),
-        findings,
+    sheet = ThickSheet(
+        pattern,
+        panel,
+        hinge,
+        panels,
+        bodies,
+        names=tuple(f"panel_{face}" for face in panels.faces),
+        faces=panels.faces,
+        creases=np.full(len(bodies), -1),
+        flexible=np.zeros(len(bodies), bool),
+        knuckles=knuckles,
+        held=knuckles.creases,
+        joining=bodies,
     )
+    return sheet, findings
 
 
 def thicken(
