@@ -76,7 +76,7 @@ def thick_files(
 ) -> ThickFiles:
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
-    name : what files and pictures call it.
+    name : what files and pictures call it; settings : `printed` with `print_with`.
 
     Raises `InvalidJob` for sheets so large that single precision does not tell their bottom from
     their top.
@@ -84,7 +84,6 @@ def thick_files(
     from fab.geometry.booleans import joined_mesh, told_apart_mm
     from fab.panels.step import step_bytes
 
-    settings = settings.printed(print_with)
     printer = print_with.printer
     with clock.stage("states"):
         states, findings = folded_states(pattern, progress=clock.progress)
