@@ -120,8 +120,8 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = value.get("kind") if isinstance(value, Mapping) else None
         known = [name for table in _choices(annotation) for name in _kinds(table)]
-        hint = did_you_mean(given, known, 0.4)
-        return f"{key}.kind = {_shown(given)} must be one of {', '.join(sorted(known))}.{hint}"
+        must = f"must be one of {', '.join(sorted(known))}{_about(field)}"
+        return f"{key}.kind = {_shown(given)} {must}.{did_you_mean(given, known, 0.4)}"
     if kind == "missing" and place[-1].isdigit():
         return f"{'.'.join(place[:-1])} has too few values. Give all of them."
     if kind == "missing":

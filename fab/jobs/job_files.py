@@ -137,7 +137,7 @@ def from_mesh(
     >>> rows = [[[x, y, (x % 2) / 2] for x in range(5)] for y in range(3)]  # pleats
     >>> sheet = from_mesh(rows, width_mm=100.0)
     >>> sheet.pattern.counts()
-    {'M': 2, 'V': 4, 'F': 4, 'B': 12}
+    {'M': 4, 'V': 2, 'F': 4, 'B': 12}
     >>> sorted(sheet.make(["fold"]).files)
     ['report.json', 'sheet.fold']
     """
