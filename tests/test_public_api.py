@@ -2,6 +2,7 @@
 
 import ast
 import doctest
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -72,3 +73,10 @@ def test_examples_run(module):
     result = doctest.testmod(import_module(module))
     assert result.attempted > 0
     assert result.failed == 0
+
+
+def test_places_named_for_contributors_exist():
+    text = (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    places = set(re.findall(r"\b((?:fab|solver|tests|templates)/[\w/]+(?:\.\w+)?)", text))
+    assert len(places) > 20
+    assert {place for place in places if not (ROOT / place).exists()} == set()
