@@ -29,7 +29,7 @@ from numbers import Integral
 
 import numpy as np
 
-from solver.errors import InvalidValue, require_count, require_within
+from solver.errors import InvalidState, InvalidValue, require_count, require_within
 from solver.front import Front, Rays, boundary_ray, meeting_distances, require_convex
 from solver.growth import (
     Growth,
@@ -97,9 +97,9 @@ def grow_part(
         raise InvalidValue("part", part, "be two whole numbers", "Number the front's vertices.")
     first, last = part
     if mesh.closed or behind is None:
-        what = "a closed patch" if mesh.closed else "a curve"
-        raise InvalidValue(
-            "mesh", what, "be open, with faces behind its front", "Grow a full strip first."
+        what = "a closed patch has no ends" if mesh.closed else "a curve has no faces"
+        raise InvalidState(
+            "mesh", f"{what}, so no strip grows on a part of it", "Grow a full strip first."
         )
     if not 0 <= first < last < len(front) or front[first : last + 1].min() < 0:
         raise InvalidValue(
@@ -169,7 +169,7 @@ def grow_corner(
         raise InvalidValue(
             "strips",
             strips,
-            f"lie from 1 to {min(height, width)}",
+            f"be from 1 to {min(height, width)}",
             f"The corner's hole of {height} x {width} quads is full then.",
         )
     _Corner.of(mesh, side).require_room(mesh.vertices_coords)
@@ -284,10 +284,10 @@ def _hole(turned: IntArray) -> tuple[int, int]:
     r, c = turned.shape[0] - height - 1, turned.shape[1] - width - 1
     whole = height > 0 and width > 0 and r > 0 and c > 0 and hole[r + 1 :, c + 1 :].all()
     if not whole or hole[r - 1 : r + 1, c - 1 :].any() or hole[r - 1 :, c - 1 : c + 1].any():
-        raise InvalidValue(
+        raise InvalidState(
             "mesh",
-            "without a concave corner at the right end of this side",
-            "have a rectangular hole in its grid there, with faces along both arms",
+            "the mesh has no concave corner at the right end of this side, which is a rectangular "
+            "hole in its grid with faces along both arms",
             "Make the corner by `grow_part`, or name another side.",
         )
     return height, width

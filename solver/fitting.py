@@ -22,6 +22,7 @@ from scipy.optimize import brentq
 
 from solver.arcs import contain
 from solver.errors import (
+    InvalidState,
     InvalidValue,
     require_count,
     require_finite,
@@ -173,11 +174,11 @@ def fit_surface(
         assert refused is not None  # one setting at least was tried
         if tries == 1:
             raise refused
-        raise InvalidValue(
+        raise InvalidState(
             "surface",
-            f"one on which {tries} choices of zigzag, row_step and turn make no seed",
-            "be smooth and shallow enough for a sheet of this thickness",
-            f"Try a smaller thickness, more columns, or a part of it. The first said: {refused}",
+            f"none of {tries} choices of zigzag, row_step and turn makes a seed: the surface is "
+            "not smooth and shallow enough for a sheet of this thickness",
+            f"Try a smaller thickness, more columns, or a part of it. The first failed: {refused}",
         )
     return _trimmed(target, chosen, best, progress) if trim else best.growth
 
@@ -214,16 +215,16 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
     places = target.places(uv.reshape(-1, 2)).reshape(*uv.shape[:2], -1)
     seed = planarised(target, places, offsets)
     if seed is None:
-        raise InvalidValue(
+        raise InvalidState(
             "zigzag, row_step",
-            (setting.zigzag, setting.row_step),
-            "allow a seed with planar faces across the middle of the surface",
+            f"zigzag {setting.zigzag:g} and row_step {setting.row_step:g} make no seed with planar "
+            "faces across the middle of the surface",
             "Try other ones, a smaller thickness, more columns, or turn the sheet.",
         )
     mesh, places = QuadMesh.from_rows(seed[0]), seed[1]
     if not target.inside(places.reshape(-1, places.shape[2])).any():
-        raise InvalidValue(
-            "domain", "nowhere near the line u = 0", "lie around it", "Move it to the middle."
+        raise InvalidState(
+            "domain", "the domain is nowhere near the line u = 0", "Move it to the middle."
         )
     expected = 2 + int(2 * along_u / (setting.row_step * step))
     strips, stops = 0, []
@@ -267,10 +268,9 @@ def _steps(target: Target, columns: int) -> tuple[float, float]:
     line = target.point(target.places(np.column_stack([0 * v, v])))
     step = float(norm(np.diff(line, axis=0)).mean())
     if not np.isfinite(line).all():
-        raise InvalidValue(
-            "line u = 0",
-            "partly off the surface",
-            "run across it from v = -1 to v = 1",
+        raise InvalidState(
+            "surface",
+            "the line u = 0 leaves the surface between v = -1 and v = 1",
             "Turn the sheet, or take a part of the surface without notches there.",
         )
     ahead, behind = (target.point(target.places(np.column_stack([u + 0 * v, v]))) for u in (h, -h))

@@ -18,7 +18,7 @@ from numbers import Integral
 import numpy as np
 
 from solver.arcs import free_arcs
-from solver.errors import InvalidValue, require_number, require_within
+from solver.errors import InvalidState, InvalidValue, require_number, require_within
 from solver.mesh import QuadMesh, Side
 from solver.transfer import (
     Closings,
@@ -217,10 +217,9 @@ class Front:
         """The front on `side` of a patch; `k` where the patch is a curve, and only there."""
         front = mesh.front_vertices(side)
         if front.min() < 0:
-            raise InvalidValue(
+            raise InvalidState(
                 "side",
-                side,
-                "be filled from end to end",
+                f"the {side} side is not filled from end to end",
                 "Fill its corner, or grow on a part of it (`solver.corner`).",
             )
         x = mesh.vertices_coords[front]
@@ -299,7 +298,7 @@ class Front:
         Their vertices are counted from 0 there: begin a strip at front vertex number + 1.
         """
         if not self.closed:
-            raise InvalidValue("front", "open", "be closed", "Open fronts take any flap angle.")
+            raise InvalidState("front", "the front is open", "Open fronts take any flap angle.")
         continuation = None
         if self.back is not None:
             u = self.edges_direction
@@ -443,11 +442,10 @@ def require_convex(x: FloatArray, y: FloatArray) -> None:
     reflex = (dot(cross(left, edge), normal) <= 0) | (dot(cross(right, edge), normal) <= 0)
     if reflex.any():
         i = int(np.flatnonzero(reflex)[0])
-        raise InvalidValue(
-            f"face behind front edge {i}",
-            "reflex at the front",
-            "have angles below 180 degrees there",
-            "Grow from convex faces, or on another side.",
+        raise InvalidState(
+            "mesh",
+            f"the face behind front edge {i} is reflex at the front",
+            "Grow from faces whose angles are below 180 degrees there, or on another side.",
         )
 
 

@@ -43,7 +43,7 @@ def _checked(vertices_coords: FloatArray, faces_vertices: IntArray) -> tuple[Flo
         raise InvalidValue(
             "vertex numbers of the faces",
             f"{faces.min()} to {faces.max()}",
-            f"lie from 0 to {len(coords) - 1}",
+            f"be from 0 to {len(coords) - 1}",
             "Give the vertices that the faces belong to.",
         )
     return coords, faces

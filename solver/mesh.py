@@ -29,7 +29,7 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
 __all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
@@ -262,10 +262,9 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     crowded = np.flatnonzero(members > 2)
     if len(crowded):
         h = heads[crowded[0]]
-        raise InvalidValue(
-            f"edge ({start[h]}, {end[h]})",
-            f"{members[crowded[0]]} faces",
-            "belong to at most 2 faces",
+        raise InvalidState(
+            "faces",
+            f"edge ({start[h]}, {end[h]}) belongs to {members[crowded[0]]} faces, not at most 2",
             "Split the sheet where more than two faces meet in an edge.",
         )
     paired = second >= 0
@@ -273,10 +272,9 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     same[paired] = start[heads[paired]] == start[second[paired]]
     if same.any():
         h = heads[np.flatnonzero(same)[0]]
-        raise InvalidValue(
-            f"edge ({start[h]}, {end[h]})",
-            "wound the same way by both faces",
-            "be wound in opposite directions",
+        raise InvalidState(
+            "faces",
+            f"both faces of edge ({start[h]}, {end[h]}) run along it in the same direction",
             "Turn one of the two faces around.",
         )
     rank = np.argsort(heads)
@@ -310,10 +308,9 @@ def boundary_loops(edges: Edges) -> list[IntArray]:
     follow = dict(zip(sides[:, 0].tolist(), sides[:, 1].tolist(), strict=True))
     if len(follow) != len(sides):
         values, counts = np.unique(sides[:, 0], return_counts=True)
-        raise InvalidValue(
-            f"vertex {values[counts > 1][0]}",
-            "in two places of the boundary",
-            "be passed once by the boundary",
+        raise InvalidState(
+            "edges",
+            f"the boundary passes vertex {values[counts > 1][0]} more than once",
             "Split the vertex, or join the faces around it.",
         )
     loops = []

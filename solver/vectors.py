@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 
 __all__ = [
     "LARGEST",
@@ -46,7 +46,7 @@ def numbers(name: str, value: object) -> FloatArray:
         raise InvalidValue(
             name,
             f"{type(value).__name__} ({array.dtype})",
-            "hold real numbers, as many in every row",
+            "hold real numbers, equally many in every row",
             "Give an array, or lists of one length.",
         )
     return np.asarray(array, np.float64)
@@ -63,10 +63,9 @@ def points(name: str, value: object) -> FloatArray:
             name, f"array of shape {array.shape}", "have shape (n, 3)", "Give x, y, z of each."
         )
     if not np.abs(array).max(initial=0.0) <= LARGEST:
-        raise InvalidValue(
+        raise InvalidState(
             name,
-            "an array with NaN, infinity or too large numbers",
-            f"hold coordinates from {-LARGEST:g} to {LARGEST:g}",
+            f"{name}: some coordinates are NaN or not from {-LARGEST:g} to {LARGEST:g}",
             "Check where they come from, or scale them.",
         )
     out = array.view()

@@ -83,9 +83,8 @@ def sector_angles(
     )
     require_foldable(b.ravel(), s.ravel())
     if not np.isfinite(alpha).all():
-        raise InvalidValue(
-            "flap_angle", "NaN or infinity", "be finite", "Give an angle in radians."
-        )
+        wrong = alpha[~np.isfinite(alpha)][0]
+        raise InvalidValue("flap_angle", wrong, "be finite", "Give an angle in radians.")
     # cos beta - cos k and sin k - sin beta cos alpha without cancellation where k nears beta
     rise = 2 * np.sin((s + b) / 2) * np.sin((s - b) / 2)
     run = 2 * np.cos((s + b) / 2) * np.sin((s - b) / 2) + 2 * np.sin(b) * np.sin(alpha / 2) ** 2

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fab.geometry.bodies import Bodies
 from fab.geometry.rings import next_corner
-from solver.errors import InvalidValue
+from solver.errors import InvalidState
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm
 
 __all__ = ["SideLoops", "cycles", "side_loops"]
@@ -86,10 +86,9 @@ def _twins(start: IntArray, end: IntArray, count: int) -> IntArray:
     there, back = start * count + end, end * count + start
     one, two = np.argsort(there), np.argsort(back)
     if (there[one] != back[two]).any() or (np.diff(there[one]) == 0).any():
-        raise InvalidValue(
+        raise InvalidState(
             "bodies",
-            f"{len(start) // 3} triangles",
-            "have every edge between exactly two triangles",
+            f"an edge of the {len(start) // 3} triangles is not between exactly two of them",
             "Give closed surfaces, their triangles counterclockwise seen from outside.",
         )
     twin = np.empty_like(one)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["cap_triangles", "covered"]
@@ -92,7 +92,8 @@ def cap_triangles(rings: FloatArray) -> IntArray:
         outlines = shapely.polygons(rings)
         for wrong in outlines[~shapely.is_valid(outlines)]:
             why = shapely.is_valid_reason(wrong)
-            raise InvalidValue("polygon", why, "neither cross nor touch itself", "Split the face.")
+            sentence = f"a polygon crosses or touches itself ({why})"
+            raise InvalidState("polygon", sentence, "Split the face.")
     starts = n * np.arange(count + 1)
     found = covered(rings.reshape(-1, 2), starts, np.arange(count + 1))
     return np.asarray(found.reshape(count, n - 2, 3) - starts[:-1, None, None])

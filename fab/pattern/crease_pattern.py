@@ -18,7 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from fab.errors import InvalidJob
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.development import Development
-from solver.errors import InvalidValue, require_positive
+from solver.errors import InvalidState, require_positive
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
@@ -159,11 +159,10 @@ def fold_angles_deg(
     n1, n2 = normals[edges.edges_faces[shared]].swapaxes(0, 1)
     bad = np.flatnonzero(~np.isfinite(dot(n1, n2) + dot(u, u)))
     if len(bad):
-        one, two = edges.edges_vertices[shared][bad[0]]
-        raise InvalidValue(
-            f"edge ({one}, {two})",
-            "without length, or beside a face without area",
-            "have length, between faces with area",
+        start, end = edges.edges_vertices[shared][bad[0]]
+        raise InvalidState(
+            "edges",
+            f"edge ({start}, {end}) has no length, or is beside a face without area",
             "Merge duplicate vertices and remove degenerate faces.",
         )
     angle = np.zeros(len(shared))

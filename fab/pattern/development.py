@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.overlap import overlapping_faces
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
@@ -107,10 +107,9 @@ def _unfolding_tree(
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     if not np.isfinite(distance).all():
         lost = np.flatnonzero(~np.isfinite(distance))
-        raise InvalidValue(
+        raise InvalidState(
             "mesh",
-            f"faces {root} and {lost[0]} not connected",
-            "be one piece",
+            f"the mesh is not in one piece: faces {root} and {lost[0]} are not connected",
             "Develop each piece.",
         )
     depth = np.full(count, -1)

@@ -57,7 +57,7 @@ class CorneredMiura:
         ):
             if not least <= value <= most:
                 cure = "The part above the corner needs two columns and two rows or more."
-                raise InvalidValue(name, value, f"lie from {least} to {most}", cure)
+                raise InvalidValue(name, value, f"be from {least} to {most}", cure)
         sheet = Miura(self.columns, self.rows, self.sector_angle, self.fold).grow().mesh
         whole = sheet.vertices_coords[sheet.grid]
         cornered = self._cornered(whole)

@@ -53,7 +53,7 @@ class Crumpled:
         for name, value in (("power", self.power), ("seed_deviation", self.seed_deviation)):
             require_number(name, value)
             if not 0 <= value <= 20:
-                raise InvalidValue(name, value, "lie from 0 to 20", "Try the default.")
+                raise InvalidValue(name, value, "be from 0 to 20", "Try the default.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
         lengths = _positive_normal(random, self.columns + 1, abs(self.seed_deviation))
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)

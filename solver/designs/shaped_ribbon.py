@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
-from solver.errors import InvalidValue, require_within
+from solver.errors import InvalidState, InvalidValue, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import ComplexArray, FloatArray, angle_between, full_turn, norm
@@ -80,10 +80,10 @@ class ShapedRibbon:
             k = _room_to_fold(walk, OUTLINES[self.outline])
             if k is not None:
                 return grow(seeds.curve(walk), 1, self._strip(k), k=k, progress=progress)
-        raise InvalidValue(
+        raise InvalidState(
             "steps",
-            self.steps,
-            f"leave room to fold at every vertex of one of {_DRAWS} walks along the {self.outline}",
+            f"none of {_DRAWS} walks of {self.steps} steps has room to fold at every vertex along "
+            f"the {self.outline}",
             "Use more steps.",
         )
 

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from solver.errors import InvalidValue, require_count, require_length
+from solver.errors import InvalidState, InvalidValue, require_count, require_length
 from solver.targets.frame import Frame, vector
 from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm, unit
 
@@ -346,8 +346,9 @@ def _oriented(triangles: IntArray) -> IntArray:
     turned = np.asarray(igl.bfs_orient(triangles)[0], np.int64)
     ahead = turned * count + np.roll(turned, -1, axis=1)
     if len(np.unique(ahead)) < ahead.size:
-        cure = "It has one side only, like a Moebius strip: cut it open."
-        raise InvalidValue("sides of the mesh", 1, "be 2", cure)
+        raise InvalidState(
+            "mesh", "the mesh has one side only, like a Moebius strip", "Cut it open."
+        )
     return turned
 
 
@@ -412,8 +413,11 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
             points = bare.vertices_coords[loop].mean(axis=0)[None]
             middle = flat[loop].mean(axis=0)
             if not (_turn(flat[loop] - middle, flat[after] - middle) < 0).all():
-                cure = f"The hole at vertex {int(loop.min())} is not one: fill it in the mesh."
-                raise InvalidValue("shape of a hole", f"{len(loop)}-gon", "be starlike", cure)
+                raise InvalidState(
+                    "mesh",
+                    f"the hole of {len(loop)} sides at vertex {int(loop.min())} is not star-shaped",
+                    "Fill it in the mesh.",
+                )
             extra.append(np.column_stack([after, loop, np.full(len(loop), count)]))
         added.append(points)
         count += len(points)
