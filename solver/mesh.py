@@ -30,6 +30,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue
+from solver.graphs import edge_keys
 from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
 __all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
@@ -249,7 +250,7 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     following[offsets[1:] - 1] = offsets[:-1]
     start, end = corners, corners[following]
     count = int(corners.max()) + 1 if len(corners) else 0
-    key = np.minimum(start, end) * count + np.maximum(start, end)
+    key = edge_keys(np.column_stack([start, end]), count)
     order = np.argsort(key, kind="stable")
     first = np.ones(len(key), bool)
     first[1:] = key[order][1:] != key[order][:-1]

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.geometry.bodies import Bodies, TriangleMesh
+from solver.graphs import labels
 from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -87,11 +86,9 @@ def _pieces_of_sides(triangles: IntArray, side: IntArray) -> IntArray:
     owner = np.tile(np.arange(len(triangles)), 3)
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
-    one, two = owner[order[::2]], owner[order[1::2]]  # every edge of a closed surface has two
-    same = (side[one] == side[two]).all(axis=1)
-    pairs = (np.ones(int(same.sum())), (one[same], two[same]))
-    graph = coo_array(pairs, shape=(len(triangles),) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+    pairs = owner[order].reshape(-1, 2)  # every edge of a closed surface has two
+    same = (side[pairs[:, 0]] == side[pairs[:, 1]]).all(axis=1)
+    return labels(pairs[same], len(triangles))
 
 
 def manifold_of(mesh: TriangleMesh) -> Manifold:

@@ -21,13 +21,7 @@ def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntA
     standing = np.zeros(pattern.face_count, bool)
     standing[panels.faces] = True
     edge, face = panels.sides.edges, panels.sides.faces
-    joined = (
-        (pattern.edges_faces[edge, 1] >= 0)
-        & (pattern.edges_assignment[edge] != "C")
-        & (pattern.edges_faces[edge, 0] != pattern.edges_faces[edge, 1])
-        & standing[face]
-    )
-    side = np.flatnonzero(joined)
+    side = np.flatnonzero(pattern.edges_joining[edge] & standing[face])
     is_first = pattern.edges_faces[edge[side], 0] == face[side]
     first[edge[side[is_first]]] = side[is_first]
     second[edge[side[~is_first]]] = side[~is_first]

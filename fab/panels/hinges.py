@@ -155,8 +155,7 @@ def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.
     mountain, valley, flat = settings.kinds
     letter = pattern.edges_assignment
     out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
-    one, two = pattern.edges_faces.T
-    out[(two < 0) | (one == two) | (letter == "C")] = "none"
+    out[~pattern.edges_joining] = "none"
     return out
 
 

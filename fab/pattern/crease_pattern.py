@@ -12,15 +12,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.errors import InvalidJob
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.development import Development
 from solver.errors import InvalidState, require_positive
+from solver.graphs import labels
 from solver.mesh import Edges, QuadMesh
-from solver.vectors import FloatArray, IntArray, cross, dot, unit
+from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, unit
 
 __all__ = [
     "FLAT_ANGLE_DEG",
@@ -78,13 +77,16 @@ class CreasePattern:
         return Edges(self.edges_vertices, self.edges_faces)
 
     @cached_property
+    def edges_joining(self) -> BoolArray:
+        """Which edges join two different faces, creases and not cuts, shape (ne,)."""
+        first, second = self.edges_faces.T
+        joining: BoolArray = (second >= 0) & (first != second) & (self.edges_assignment != "C")
+        return joining
+
+    @cached_property
     def faces_piece(self) -> IntArray:
-        """The piece of the sheet that each face is of, over all edges but cuts, shape (nf,)."""
-        joined = (self.edges_faces[:, 1] >= 0) & (self.edges_assignment != "C")
-        one, two = self.edges_faces[joined].T
-        shape = (self.face_count, self.face_count)
-        graph = coo_array((np.ones(len(one)), (one, two)), shape=shape)
-        return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+        """The piece of the sheet that each face belongs to, shape (nf,)."""
+        return labels(self.edges_faces[self.edges_joining], self.face_count)
 
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
         """For each number n of corners: the faces that have it, and their corners (nf', n)."""

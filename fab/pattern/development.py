@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import dijkstra
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.overlap import overlapping_faces
 from solver.errors import InvalidState, InvalidValue
+from solver.graphs import EdgeIndex
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
@@ -137,23 +138,19 @@ def _face_motions(
     child = np.concatenate(levels[1:]) if len(levels) > 1 else np.empty(0, np.int64)
     # the edge to the parent; of several between two faces (a straight crease) the first
     shared = np.flatnonzero(edges.edges_faces[:, 1] >= 0)
-    beside = edges.edges_faces[shared]
     count = len(parent)
-    pair = beside.min(axis=1) * count + beside.max(axis=1)
-    order = np.argsort(pair, kind="stable")
-    wanted = np.minimum(child, parent[child]) * count + np.maximum(child, parent[child])
-    found = shared[order[np.searchsorted(pair[order], wanted)]] if len(child) else child
+    beside = EdgeIndex.of(edges.edges_faces[shared], count)
+    found = shared[beside.find(np.column_stack([child, parent[child]]))] if len(child) else child
     # it runs from u to v in the parent and back in the child
     u, v = edges.edges_vertices[found].T
     swap = edges.edges_faces[found, 0] == child
     u, v = np.where(swap, v, u), np.where(swap, u, v)
     following = next_corner(offsets)
-    vertices = int(corner.max()) + 1
-    key = corner * vertices + corner[following]
-    rank = np.argsort(key)
+    ends = np.column_stack([corner, corner[following]])
+    sides = EdgeIndex.of(ends, int(corner.max()) + 1, directed=True)
 
     def side(start: IntArray, end: IntArray) -> tuple[ComplexArray, ComplexArray]:
-        at = rank[np.searchsorted(key[rank], start * vertices + end)]
+        at = sides.find(np.column_stack([start, end]))
         return local[at], local[following[at]]
 
     q0, q1 = side(v, u)

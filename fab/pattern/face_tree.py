@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
+from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
+from solver.graphs import edge_keys, labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["FaceTree", "face_tree"]
@@ -60,15 +61,14 @@ def face_tree(centres: FloatArray, pairs: IntArray, lengths: FloatArray) -> Face
     """
     count = len(centres)
     one, two = pairs.T
-    keys = np.minimum(one, two) * count + np.maximum(one, two)
+    keys = edge_keys(pairs, count)
     _, last = np.unique(keys[::-1], return_index=True)
     chosen = len(keys) - 1 - last
     ends = one[chosen], two[chosen]
     graph = coo_array((1 / lengths[chosen], ends), shape=(count, count)).tocsr()
     tree = minimum_spanning_tree(graph)
     tree = tree + tree.T
-    _, piece = connected_components(tree, directed=False)
-    roots = _middles(centres, piece)
+    roots = _middles(centres, labels(pairs, count))
     parent = np.arange(count)
     for root in roots.tolist():
         order, above = breadth_first_order(tree, root, directed=False)

@@ -16,6 +16,7 @@ from fab.geometry.rings import next_corner
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.face_tree import face_tree
 from fab.pattern.open_cuts import edges_between
+from solver.graphs import EdgeIndex
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, scattered, unit
 
 __all__ = ["Kinematics", "fold_by_angles", "next_around", "unknown_angles", "vertices_closure_rad"]
@@ -126,8 +127,6 @@ def _angles(matrices: FloatArray) -> FloatArray:
 
 def next_around(corners: IntArray, following: IntArray, before: IntArray, count: int) -> IntArray:
     """The corner of the next face counterclockwise around the same vertex; -1 at the border."""
-    ways = corners * count + corners[following]
-    order = np.argsort(ways)
-    wanted = corners * count + corners[before]  # the same side, walked by the face beyond it
-    found = order[np.searchsorted(ways[order], wanted).clip(max=len(ways) - 1)]
-    return np.where(ways[found] == wanted, found, -1)
+    sides = EdgeIndex.of(np.column_stack([corners, corners[following]]), count, directed=True)
+    # the same side, walked by the face beyond it
+    return sides.find(np.column_stack([corners, corners[before]]))

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from fab.geometry.rings import ring_areas
 from fab.pattern.crease_pattern import CreasePattern
+from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Outlines", "inner_cuts", "outlines_of"]
@@ -76,9 +75,7 @@ def outlines_of(pattern: CreasePattern) -> Outlines:
 def _same_places(points: FloatArray) -> IntArray:
     """For each point the index of the first point in its place, shape (n,)."""
     near = cKDTree(points).query_pairs(_SAME_PLACE_MM, output_type="ndarray")
-    ones = np.ones(len(near), bool)
-    graph = coo_array((ones, (near[:, 0], near[:, 1])), shape=(len(points), len(points)))
-    _, label = connected_components(graph, directed=False)
+    label = labels(near, len(points))
     _, first = np.unique(label, return_index=True)
     out: IntArray = first[label]
     return out

@@ -7,6 +7,7 @@ import shapely
 
 from fab.geometry.rings import ring_areas
 from solver.errors import InvalidValue
+from solver.graphs import edge_keys
 from solver.mesh import Edges, boundary_loops
 from solver.vectors import FloatArray, IntArray
 
@@ -52,7 +53,7 @@ def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> IntArray:
     contact = _CONTACT_REL * float(np.hypot(*np.ptp(corners, axis=0)))
     shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
     one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
-    pairs = np.sort(np.column_stack([one, two])[one != two], axis=1)
-    keys = np.unique(pairs[:, 0] * len(shapes) + pairs[:, 1])
+    pairs = np.column_stack([one, two])[one != two]
+    keys = np.unique(edge_keys(pairs, len(shapes)))
     overlapping = np.column_stack(np.divmod(keys, len(shapes)))
     return np.concatenate([np.column_stack([crossed, crossed]), overlapping]).astype(np.int64)

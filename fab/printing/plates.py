@@ -160,14 +160,13 @@ def make_plates(
         if progress is not None:
             progress(done, steps)
 
-    joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
-    flat = _flat(sheet, joined, bed_mm, room, settings)
+    flat = _flat(sheet, pattern.edges_joining, bed_mm, room, settings)
     sets = [faces[np.isin(faces, standing)] for faces in partition(flat, tell)]
     sets = [faces for faces in sets if len(faces)]
     owner = np.full(pattern.face_count, -1)
     for number, faces in enumerate(sets):
         owner[faces] = number
-    inner = np.flatnonzero(joined)
+    inner = np.flatnonzero(pattern.edges_joining)
     inner = inner[(owner[pattern.edges_faces[inner]] >= 0).all(axis=1)]
     _, rank = assembly_order(owner[pattern.edges_faces[inner]], len(sets))
     owner = np.where(owner >= 0, rank[owner], -1)

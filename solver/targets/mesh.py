@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from solver.errors import InvalidState, InvalidValue, require_count, require_length
+from solver.graphs import edge_keys, labels
 from solver.targets.frame import Frame, vector
 from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm, unit
 
@@ -305,8 +304,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     size = float(np.linalg.norm(np.ptp(coords[used], axis=0)))
     require_length("size of the mesh", size)
     pairs = cKDTree(coords[used]).query_pairs(_SAME * size, output_type="ndarray")
-    links = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(used),) * 2)
-    _, group = connected_components(links, directed=False)
+    group = labels(pairs, len(used))
     _, first = np.unique(group, return_index=True)
     place = np.empty(len(coords), np.int64)
     place[used] = group
@@ -333,19 +331,16 @@ def _oriented(triangles: IntArray) -> IntArray:
         raise InvalidValue("faces at an edge", int(uses[edge]), "be 1 or 2", cure)
     face = np.argsort(number.ravel(), kind="stable") // 3
     begin = np.concatenate([[0], np.cumsum(uses)[:-1]])[uses == 2]
-    links = csr_array(
-        (np.ones(len(begin)), (face[begin], face[begin + 1])), shape=(len(triangles),) * 2
-    )
-    pieces, piece = connected_components(links, directed=False)
-    if pieces > 1:
-        sizes = np.sort(np.bincount(piece))[::-1]
+    sizes = np.bincount(labels(np.column_stack([face[begin], face[begin + 1]]), len(triangles)))
+    if len(sizes) > 1:
+        sizes = np.sort(sizes)[::-1]
         cure = f"They have {', '.join(map(str, sizes[:5]))} triangles: keep one, or join them."
-        raise InvalidValue("pieces of the mesh", pieces, "be 1", cure)
+        raise InvalidValue("pieces of the mesh", len(sizes), "be 1", cure)
     import igl
 
     turned = np.asarray(igl.bfs_orient(triangles)[0], np.int64)
-    ahead = turned * count + np.roll(turned, -1, axis=1)
-    if len(np.unique(ahead)) < ahead.size:
+    ahead = np.stack([turned, np.roll(turned, -1, axis=1)], axis=-1)
+    if len(np.unique(edge_keys(ahead, count, directed=True))) < turned.size:
         raise InvalidState(
             "mesh", "the mesh has one side only, like a Moebius strip", "Cut it open."
         )
@@ -354,16 +349,16 @@ def _oriented(triangles: IntArray) -> IntArray:
 
 def _edges(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]:
     """Vertices of all edges (e, 2), rising, and numbers (m, 3): the edge after each corner."""
-    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1), axis=-1)
-    keys, number = np.unique(ends[..., 0] * count + ends[..., 1], return_inverse=True)
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1)
+    keys, number = np.unique(edge_keys(ends, count), return_inverse=True)
     return np.column_stack([keys // count, keys % count]), number.reshape(-1, 3)
 
 
 def _rim(triangles: IntArray, count: int) -> IntArray:
     """Edges (e, 2) with a face on one side, in its direction; each vertex begins one at most."""
-    begin, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    lonely = ~np.isin(begin * count + end, end * count + begin)
-    rim = np.column_stack([begin[lonely], end[lonely]])
+    ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
+    ahead, back = (edge_keys(way, count, directed=True) for way in (ends, ends[:, ::-1]))
+    rim = ends[~np.isin(ahead, back)]
     uses = np.bincount(rim[:, 0], minlength=1)
     if uses.max() > 1:
         cure = f"Parts of the mesh touch at vertex {int(uses.argmax())} alone: take them apart."

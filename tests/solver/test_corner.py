@@ -368,7 +368,7 @@ def part_of(mesh: QuadMesh, part, **choice):
     [
         (lambda: grow_corner(QuadMesh.from_rows(ROWS), 1, CornerStrip), "concave corner"),
         (lambda: grow_pentagon(QuadMesh.from_rows(ROWS), CornerStrip(0.1)), "concave corner"),
-        (lambda: grow_corner(with_hole(ROWS, 2, 3), 4, CornerStrip), "lie from 1 to 3"),
+        (lambda: grow_corner(with_hole(ROWS, 2, 3), 4, CornerStrip), "be from 1 to 3"),
         (lambda: grow_corner(with_hole(ROWS, 2, 3), 0, CornerStrip), "strips = 0"),
         (
             lambda: grow_corner(with_hole(ROWS, 2, 3), 1, CornerStrip, side=Side.LEFT),

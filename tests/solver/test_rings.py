@@ -288,7 +288,7 @@ def test_parameters_out_of_bounds_are_named(design, name):
 
 def test_open_fronts_have_no_closings():
     mesh = seeds.miura(4, 1.0, 0.5, 1.0, 1.0)
-    with pytest.raises(InvalidValue, match="closed"):
+    with pytest.raises(InvalidValue, match="the front is open"):
         Front.of(mesh, Side.TOP).closings()
 
 
