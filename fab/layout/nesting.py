@@ -187,10 +187,10 @@ def _room(bed_mm: tuple[float, float], margin_mm: float) -> FloatArray:
 def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray) -> _Piece:
     polygon = shapely.Polygon(outline)
     if not (polygon.is_valid and polygon.area > 0):
-        reason = "it has no area" if polygon.is_valid else shapely.is_valid_reason(polygon)
+        why = "no area" if polygon.is_valid else shapely.is_valid_reason(polygon)
         raise InvalidState(
             "outlines",
-            f"outline {number} is not a polygon with area that does not cross itself ({reason})",
+            f"outline {number} has no area, or crosses itself: {why}",
             "Split the piece where it overlaps itself.",
         )
     upright = [0.0, *_box_turns_deg(polygon)]
