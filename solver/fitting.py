@@ -370,7 +370,7 @@ class _Mirror:
 
     def _parts(self, trials: FloatArray) -> tuple[FloatArray, ...]:
         f = self.front
-        image = f.prefixes @ np.stack([np.sin(trials / 2), np.cos(trials / 2)])
+        image = f.transfer_matrices @ np.stack([np.sin(trials / 2), np.cos(trials / 2)])
         squares = image * image
         size = squares[:, 0] + squares[:, 1]
         cosine = (squares[:, 1] - squares[:, 0]) / size
@@ -395,7 +395,7 @@ class _Mirror:
         turned = self.along_normal * cosine - self.along_inner * sine
         opening = -rise * f.sin_beta[:, None] * sine / length**2  # d theta1 / d alpha
         match = opening * (level * across - rise * self.along_a) / length + rise * turned / length
-        speed = np.linalg.det(f.prefixes)[:, None] / size  # d alpha / d alpha of the first
+        speed = np.linalg.det(f.transfer_matrices)[:, None] / size  # d alpha / d alpha of the first
         return -float((match * speed).sum())
 
     def minimum(self, low: float, high: float) -> float | None:

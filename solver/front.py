@@ -22,12 +22,12 @@ from solver.errors import InvalidState, InvalidValue, require_number, require_wi
 from solver.mesh import QuadMesh, Side
 from solver.transfer import (
     Closings,
-    apply_each,
     half_angles,
-    inverses,
+    inverse_matrices,
     loop_closings,
     loop_miss,
-    prefix_products,
+    transfer_each,
+    transfer_matrices,
 )
 from solver.vectors import (
     SMALLEST,
@@ -277,9 +277,9 @@ class Front:
         )
 
     @cached_property
-    def prefixes(self) -> FloatArray:
-        """Matrices from the first flap angle to each (`prefix_products`), shape (m - 1, 2, 2)."""
-        return prefix_products(self.couplings, self.deltas)
+    def transfer_matrices(self) -> FloatArray:
+        """Matrices from the first flap angle to each (`transfer_matrices`), shape (m - 1, 2, 2)."""
+        return transfer_matrices(self.couplings, self.deltas)
 
     @property
     def row_coords(self) -> FloatArray:
@@ -347,8 +347,8 @@ class Front:
                 np.column_stack([np.maximum(left, right), base + np.pi]),
             ]
         )
-        matrices = inverses(self.prefixes)
-        images = apply_each(np.concatenate([matrices, matrices]), ends)
+        matrices = inverse_matrices(self.transfer_matrices)
+        images = transfer_each(np.concatenate([matrices, matrices]), ends)
         turned = np.linalg.det(matrices) < 0  # such a map runs backwards round the circle
         images = np.where(np.concatenate([turned, turned])[:, None], images[:, ::-1], images)
         return free_arcs(images)

@@ -12,7 +12,7 @@ so that with (s, c) = (sin, cos)(alpha/2) one vertex costs a swap, a scale and a
     (s, c) -> rotate((C c, s), delta/2)
 
 `half_angles` walks that chain vertex after vertex, which keeps every new quad planar to rounding.
-`prefix_products` gives all flap angles at once as functions of the first: for searching.
+`transfer_matrices` gives all flap angles at once as functions of the first: for searching.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from solver.vectors import FloatArray, full_turn
 __all__ = [
     "Closing",
     "Closings",
-    "apply_each",
     "coupling",
-    "derivative",
     "half_angles",
-    "inverses",
+    "inverse_matrices",
     "loop_closings",
     "loop_miss",
-    "prefix_products",
-    "transform",
+    "transfer_derivative",
+    "transfer_each",
+    "transfer_flap_angles",
+    "transfer_matrices",
 ]
 
 # A chain is normalised before the logarithm of its length can have changed by more than this.
@@ -108,7 +108,7 @@ def _walk(
     return np.array([sines, cosines])
 
 
-def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
+def transfer_matrices(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
     """Matrices M[i], shape (n, 2, 2), that take (s, c) of vertex 0 to vertex i up to a factor.
 
     Each product is normalised to a largest entry of one; M[0] is the identity.
@@ -127,7 +127,7 @@ def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
     return out
 
 
-def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+def transfer_flap_angles(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     """Images in [0, 2 pi) of `flap_angles` (shape (q,)) under `matrices` (shape (n, 2, 2)).
 
     Returns shape (n, q).
@@ -137,7 +137,7 @@ def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
 
 
-def inverses(matrices: FloatArray) -> FloatArray:
+def inverse_matrices(matrices: FloatArray) -> FloatArray:
     """Matrices of the inverse maps, up to a factor (the adjugates), shape (n, 2, 2).
 
     They take a flap angle at any location of a strip back to the first one (S1 A.4).
@@ -148,15 +148,15 @@ def inverses(matrices: FloatArray) -> FloatArray:
     return out
 
 
-def apply_each(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+def transfer_each(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     """Images of row i of `flap_angles`, shape (n, q), under matrix i of (n, 2, 2); shape (n, q)."""
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)], axis=1)
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
 
 
-def derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
-    """Exact derivatives of `transform` with respect to the first flap angle, shape (n, q).
+def transfer_derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """Exact derivatives of `transfer_flap_angles` by the first flap angle, shape (n, q).
 
     A Moebius map of half-angles turns by its determinant over the squared length of the image.
     """

@@ -23,13 +23,13 @@ from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, unit
 
 __all__ = [
     "continuation_flap_angles",
+    "design_angles",
     "even_flap_angles",
     "flap_angle_of",
     "flat_foldable_flap_angles",
     "growth_direction",
     "locked_flap_angles",
     "require_foldable",
-    "sector_angles",
     "self_intersects",
 ]
 
@@ -64,7 +64,7 @@ def require_foldable(beta: FloatArray, k: FloatArray) -> None:
         )
 
 
-def sector_angles(
+def design_angles(
     flap_angle: FloatArray, beta: FloatArray, k: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Design angles (theta1, theta2) of the new faces, equation (S13).
@@ -102,7 +102,7 @@ def growth_direction(
     """
     ab = cross(a, b)
     beta = np.arctan2(np.sqrt(dot(ab, ab)), dot(a, b))
-    theta1, _ = sector_angles(flap_angle, beta, k)
+    theta1, _ = design_angles(flap_angle, beta, k)
     n = unit(ab)
     p = cross(n, a)
     return (

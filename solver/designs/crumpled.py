@@ -11,7 +11,7 @@ from solver import seeds
 from solver.errors import InvalidValue, require_count, require_length, require_number
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
-from solver.transfer import prefix_products, transform
+from solver.transfer import transfer_flap_angles
 from solver.vectors import FloatArray
 
 __all__ = ["Crumpled"]
@@ -88,7 +88,7 @@ def _flap_angle(front: Front, random: np.random.Generator) -> float:
     the longest run is drawn: its ends nearly lock some vertex, and rows would close up there.
     """
     trials = (np.arange(_TRIALS, dtype=np.float64) + random.uniform()) * (2 * np.pi / _TRIALS)
-    flap_angles = transform(prefix_products(front.couplings, front.deltas), trials)
+    flap_angles = transfer_flap_angles(front.transfer_matrices, trials)
     away = front.away_from_back(flap_angles).sum(axis=0)
     best = np.flatnonzero(away == away.max())
     # runs on the circle: start after a gap, so that no run passes the end of the list

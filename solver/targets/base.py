@@ -10,7 +10,7 @@ from solver.vectors import BoolArray, FloatArray, dot
 
 __all__ = ["Target", "ray_hit"]
 
-_STEPS = 60
+MOST_STEPS = 60
 # Steps this small do not count; steps below the second number that no longer shrink are rounding.
 _EXACT = 1e-15
 _ROUNDING = 1e-9
@@ -18,7 +18,7 @@ _ROUNDING = 1e-9
 _SETTLED = 1e-11
 
 
-def _settled(now: float, before: float) -> bool:
+def settled(now: float, before: float) -> bool:
     """Whether relative steps of this size, after such ones before, are worth no further one."""
     return now <= _EXACT or (now < _ROUNDING and now > before / 2)
 
@@ -52,7 +52,7 @@ class Target(Protocol):
         """Whether places belong to the domain, not to the surface's continuation, shape (n,)."""
 
 
-def _largest(steps: FloatArray) -> float:
+def largest_step(steps: FloatArray) -> float:
     """Largest size among the numbers; those that are none have failed and do not count."""
     return float(np.max(np.abs(steps), initial=0.0, where=np.isfinite(steps)))
 
@@ -75,7 +75,7 @@ def ray_hit(
     missed: BoolArray = np.zeros(len(origins), bool)
     before = np.inf
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        for _ in range(_STEPS):
+        for _ in range(MOST_STEPS):
             points = origins + lengths[:, None] * directions
             distance, gradient, found = target.distance(points, places)
             places = np.where(missed[:, None], guess, found)
@@ -83,8 +83,8 @@ def ray_hit(
             lengths = lengths + step
             missed |= ~np.isfinite(lengths)
             lengths[missed] = 0.0
-            now = _largest(step / (1 + np.abs(lengths)))
-            if _settled(now, before):
+            now = largest_step(step / (1 + np.abs(lengths)))
+            if settled(now, before):
                 break
             before = now
     unsettled = np.abs(step) > _SETTLED * (1 + np.abs(lengths))

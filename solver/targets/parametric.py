@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.errors import InvalidValue
-from solver.targets.base import _STEPS, Target, _largest, _settled
+from solver.targets.base import MOST_STEPS, Target, largest_step, settled
 from solver.vectors import BoolArray, FloatArray, cross, dot, numbers, unit
 
 __all__ = ["ParametricSurface", "TurnedTarget", "explicit_surface"]
@@ -75,7 +75,7 @@ class ParametricSurface:
         fast for the thin sheets of origami.
         """
         uv, before = guess, np.inf
-        for _ in range(_STEPS):
+        for _ in range(MOST_STEPS):
             along_u, along_v = self.tangents(uv)
             off = points - self.point(uv)
             e, f, g = dot(along_u, along_u), dot(along_u, along_v), dot(along_v, along_v)
@@ -83,8 +83,8 @@ class ParametricSurface:
             determinant = e * g - f * f
             step = np.column_stack([(g * p - f * q), (e * q - f * p)]) / determinant[:, None]
             uv = uv + step
-            now = _largest(step / (1 + np.abs(uv)))
-            if _settled(now, before):
+            now = largest_step(step / (1 + np.abs(uv)))
+            if settled(now, before):
                 break
             before = now
         normal = unit(cross(along_u, along_v))
