@@ -23,9 +23,10 @@ from solver import (
     planarity,
     ray_hit,
 )
+from solver.coverage import one_piece, windings
 from solver.designs.surface_fit import SURFACES
-from solver.fitting import _Mirror, _one_piece, _windings
 from solver.mesh import boundary_loops
+from solver.mirroring import Mirror
 from solver.planarise import planarised
 
 
@@ -194,10 +195,10 @@ def test_trimmed_sheets_cover_the_domain_and_hardly_more(name):
 
 def test_pieces_that_hang_together_by_a_corner_are_joined_or_dropped():
     falling = np.array([[1, 0, 0, 0], [0, 1, 1, 0], [0, 1, 1, 0], [1, 0, 0, 1]], bool)
-    assert _one_piece(falling).tolist() == [[False] * 4, *falling[1:3].tolist(), [False] * 4]
+    assert one_piece(falling).tolist() == [[False] * 4, *falling[1:3].tolist(), [False] * 4]
     ring = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 0]], bool)
-    assert _one_piece(ring).sum() >= 7
-    assert _one_piece(ring)[1, 1] or _one_piece(ring)[2, 2]
+    assert one_piece(ring).sum() >= 7
+    assert one_piece(ring)[1, 1] or one_piece(ring)[2, 2]
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -209,11 +210,11 @@ def test_points_within_an_outline(seed):
     points = rng.uniform(-1, 1, (100, 2))
     polygon = shapely.Polygon(outline).symmetric_difference(shapely.Polygon(hole))
     expected = shapely.contains_xy(polygon, *points.T)
-    assert ((_windings([outline, hole[::-1]], points) != 0) == expected).all()
+    assert ((windings([outline, hole[::-1]], points) != 0) == expected).all()
     twice = np.concatenate([outline, outline])
     covered = shapely.contains_xy(shapely.Polygon(outline), *points.T)
-    assert (_windings([twice], points) == 2 * covered).all()
-    assert (_windings([twice[::-1]], points) == -2 * covered).all()
+    assert (windings([twice], points) == 2 * covered).all()
+    assert (windings([twice[::-1]], points) == -2 * covered).all()
 
 
 @settings(max_examples=40)
@@ -223,7 +224,7 @@ def test_the_slope_of_the_mirror_cost_is_its_derivative(trial, seed):
     mesh = Miura(columns=9, rows=2).grow().mesh
     front = Front.of(mesh, Side.TOP)
     normal = rng.normal(size=(8, 3))
-    mirror = _Mirror.of(front, normal / np.linalg.norm(normal, axis=1)[:, None])
+    mirror = Mirror.of(front, normal / np.linalg.norm(normal, axis=1)[:, None])
     h = 1e-6
     below, above = mirror.cost(np.array([trial - h, trial + h]))
     assert mirror.slope(trial) == pytest.approx((above - below) / (2 * h), rel=1e-5, abs=1e-5)
