@@ -66,12 +66,12 @@ class CorneredMiura:
             return grow_corner(cornered, self.strips, lambda _: strip, progress=progress)
         first = grow_pentagon(cornered, CornerStrip(self._lengths))
 
-        def told(done: int, _: int) -> None:
+        def advanced(done: int, _: int) -> None:
             if progress is not None:
                 progress(done + 1, self.strips)
 
         if first.strips:
-            told(0, 0)
+            advanced(0, 0)
         if first.strips in (0, self.strips):
             return first
 
@@ -81,7 +81,7 @@ class CorneredMiura:
             u = front.edges_direction
             return Strip(float(flap_angle_of(-u[0], u[1], ahead)), self._lengths)
 
-        growth = grow(first.mesh, self.strips - 1, choose, progress=told)
+        growth = grow(first.mesh, self.strips - 1, choose, progress=advanced)
         return replace(growth, strips=growth.strips + 1)
 
     def _cornered(self, whole: FloatArray) -> QuadMesh:

@@ -16,7 +16,7 @@ from solver.vectors import FloatArray
 
 __all__ = ["Crumpled"]
 
-# How many flap angles a strip looks at for those that fold away from the strip before.
+# Flap angles that a strip tries, for those that fold away from the strip before.
 _TRIALS = 256
 
 
@@ -30,7 +30,7 @@ class Crumpled:
     beta, k : angles of the seed's front, radians.
     power : p of the lengths X (1 - k/2pi)^p, X uniform in (0.1, 0.9) of the length's bound:
         the larger, the more a strip shrinks towards flat regions.
-    length_limit : stands for the bound of a crease whose neighbours do not meet it (nearby).
+    length_limit : taken as the bound of a crease that its neighbours do not meet (nearby).
     seed_deviation : standard deviation of the seed's crease lengths about 1 (normal, positive).
     random_seed : the same number gives the same sheet.
     """

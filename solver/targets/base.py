@@ -1,4 +1,4 @@
-"""Which surface shall a sheet follow: its points, its normals, and where a ray meets its offset?"""
+"""Target surfaces: what surface fitting asks of them, and rays that meet their offsets."""
 
 from __future__ import annotations
 
@@ -8,13 +8,14 @@ import numpy as np
 
 from solver.vectors import BoolArray, FloatArray, dot
 
-__all__ = ["Target", "ray_hit"]
+__all__ = ["MOST_STEPS", "Target", "largest_step", "ray_hit", "settled"]
 
+# Steps of Newton's method towards nearest points and ray hits.
 MOST_STEPS = 60
 # Steps this small do not count; steps below the second number that no longer shrink are rounding.
 _EXACT = 1e-15
 _ROUNDING = 1e-9
-# A ray whose last step is longer, relative to its length, found nothing: it goes round in circles.
+# A ray whose last step is longer, relative to its length, found nothing: its steps go in circles.
 _SETTLED = 1e-11
 
 
@@ -53,7 +54,7 @@ class Target(Protocol):
 
 
 def largest_step(steps: FloatArray) -> float:
-    """Largest size among the numbers; those that are none have failed and do not count."""
+    """Largest size among the numbers; NaN and infinity have failed and do not count."""
     return float(np.max(np.abs(steps), initial=0.0, where=np.isfinite(steps)))
 
 
@@ -69,6 +70,13 @@ def ray_hit(
     origins, directions : shape (n, 3); guess : places near the origins. Newton on the signed
     distance, whose derivative along a ray is gradient . direction. A ray that does not meet the
     offset in front of it gives NaN.
+
+    >>> from solver.targets import explicit_surface
+    >>> plane = explicit_surface(lambda x, y: 0 * x)
+    >>> origin, up = np.array([[0.2, 0.3, 0.0]]), np.array([[0.0, 0.6, 0.8]])
+    >>> lengths, places = ray_hit(plane, origin, up, 0.4, origin[:, :2])
+    >>> lengths.round(12), places.round(12)
+    (array([0.5]), array([[0.2, 0.6]]))
     """
     lengths = np.zeros(len(origins))
     places = guess.copy()

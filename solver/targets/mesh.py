@@ -1,4 +1,4 @@
-"""How does a sheet follow a mesh of triangles or quads, and what lies beyond the mesh's rim?"""
+"""Surfaces of triangle and quad meshes, continued beyond their rim and over their holes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _FORMATS = ("obj", "ply", "stl")
 # Vertices closer than this are one, triangles flatter than this have no area, in sizes of the mesh.
 _SAME = 1e-9
 _FLAT = 1e-12
-# Feet whose barycentric coordinate is below this lie on the opposite edge.
+# Feet whose barycentric coordinate is below this are on the opposite edge.
 _ON_EDGE = 1e-9
 # Width of the skirt in diagonals of the mesh, and how far the rim may lean over.
 _SKIRT = 0.5
@@ -75,7 +75,7 @@ class MeshSurface:
         try:
             mesh = trimesh.load_mesh(file, file_type=ending, process=False)
         except Exception as error:  # readers of foreign files raise all kinds
-            cure = f"trimesh says: {error!r}. Export it once more."
+            cure = f"trimesh reports {error!r}. Export it again."
             raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
         triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
         if not len(triangles):
@@ -107,6 +107,13 @@ class MeshSurface:
         rows : direction of v. Default: the shorter side of the tightest rectangle around the mesh.
         half_widths : of the domain along u and v, about the middle; default: around all of the
             mesh.
+
+        >>> corners = np.array([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]])
+        >>> surface = MeshSurface.from_faces(corners, np.array([[0, 1, 2, 3]]))
+        >>> point = np.array([[1.0, 2.0, 0.7]])
+        >>> distance, gradient, places = surface.distance(point, point)
+        >>> distance.tolist(), places[0, 2:5].round(9).tolist()
+        ([0.7], [1.0, 2.0, 0.0])
         """
         coords, triangles = _checked(vertices_coords, faces)
         coords, triangles = _merged(coords, triangles)
@@ -209,7 +216,7 @@ class MeshSurface:
         return gap, gradient, places
 
     def inside(self, places: FloatArray) -> BoolArray:
-        """Whether places lie on the mesh itself and in the square of the parameters, (n,)."""
+        """Whether places are on the mesh itself and in the square of the parameters, (n,)."""
         within = np.abs(places[:, :2]).max(axis=1) <= 1 + 1e-9
         inside: BoolArray = within & (places[:, 5] < self.own)
         return inside
@@ -273,11 +280,11 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
     if numbers.min() < 0 or numbers.max() >= len(coords):
         bad = int(numbers.min() if numbers.min() < 0 else numbers.max())
         bound = f"name vertices, from 0 to {len(coords) - 1}"
-        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it once more.")
+        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it again.")
     lost = ~np.isfinite(coords).all(axis=1)
     if lost.any():
         vertex = int(np.flatnonzero(lost)[0])
-        cure = f"It is vertex {vertex}: export the mesh once more."
+        cure = f"It is vertex {vertex}: export the mesh again."
         raise InvalidValue("vertices_coords", coords[vertex].tolist(), "be finite", cure)
     triangles = numbers.astype(np.int64)
     if triangles.shape[1] == 4:
@@ -292,10 +299,10 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
 def _quads_again(triangles: IntArray) -> IntArray | None:
     """The quads (m, 4) that trimesh cut into first halves abc, then second halves cda; or None."""
     half, odd = divmod(len(triangles), 2)
-    one, two = triangles[:half], triangles[half:]
-    if odd or not (np.array_equal(one[:, 2], two[:, 0]) and np.array_equal(one[:, 0], two[:, 2])):
+    first, second = triangles[:half], triangles[half:]
+    if odd or not np.array_equal(first[:, [2, 0]], second[:, [0, 2]]):
         return None
-    return np.column_stack([one, two[:, 1]])
+    return np.column_stack([first, second[:, 1]])
 
 
 def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
@@ -321,7 +328,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
 
 
 def _oriented(triangles: IntArray) -> IntArray:
-    """Triangles wound alike; refuses edges of three faces, one-sided meshes and several pieces."""
+    """Triangles in one winding; refuses edges of three faces, one-sided meshes, several pieces."""
     count = int(triangles.max()) + 1
     edges, number = _edges(triangles, count)
     uses = np.bincount(number.ravel())
@@ -446,9 +453,9 @@ def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) ->
     return (bare.vertices_coords[loop] + steps).reshape(-1, 3)
 
 
-def _turn(one: FloatArray, two: FloatArray) -> FloatArray:
-    """Twice the signed areas of plane triangles (0, one, two), shape (n,)."""
-    out: FloatArray = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+def _turn(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Twice the signed areas of plane triangles (0, first, second), shape (n,)."""
+    out: FloatArray = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     return out
 
 
@@ -465,6 +472,6 @@ def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:
     a, b, c = (corners[:, i] for i in range(3))
     normal = cross(b - a, c - a)
     with np.errstate(invalid="ignore", divide="ignore"):
-        two = dot(cross(points - a, c - a), normal) / dot(normal, normal)
-        three = dot(cross(b - a, points - a), normal) / dot(normal, normal)
-    return np.column_stack([1 - two - three, two, three])
+        second = dot(cross(points - a, c - a), normal) / dot(normal, normal)
+        third = dot(cross(b - a, points - a), normal) / dot(normal, normal)
+    return np.column_stack([1 - second - third, second, third])

@@ -88,7 +88,7 @@ class ParametricSurface:
                 break
             before = now
         normal = unit(cross(along_u, along_v))
-        # beyond the surface's centres of curvature the steps go round in circles
+        # beyond the surface's centres of curvature the steps go in circles
         lost = (np.abs(step) > 1e-6 * (1 + np.abs(uv))).any(axis=1)
         return np.where(lost, np.nan, dot(points - self.point(uv), normal)), normal, uv
 
@@ -159,6 +159,10 @@ def explicit_surface(
     """The surface z = height(x, y) over a rectangle about the origin.
 
     half_width_x, half_width_y : u = x / half_width_x and v = y / half_width_y.
+
+    >>> bowl = explicit_surface(lambda x, y: x**2 + y**2, half_width_x=2.0)
+    >>> bowl.point(np.array([[0.5, 1.0]])).tolist()
+    [[1.0, 1.0, 2.0]]
     """
 
     def position(u: FloatArray, v: FloatArray) -> FloatArray:
