@@ -1,4 +1,4 @@
-"""How do bodies pass through manifold3d and come back with their planar sides told apart?"""
+"""Booleans of bodies by manifold3d, which keep track of their planar sides."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ __all__ = [
     "manifolds",
     "meshes",
     "prism",
+    "resolution_mm",
     "section",
     "solid",
-    "told_apart_mm",
 ]
 
 
@@ -58,10 +58,10 @@ def section(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
 
 
 def meshes(solids: Sequence[Manifold]) -> list[TriangleMesh]:
-    """The surfaces of solids; sides that were cut in pieces are told as several."""
+    """The surfaces of solids; a side that was cut into pieces counts as several."""
     coords, triangles, sides = [], [], []
-    for number, one in enumerate(solids):
-        mesh = one.to_mesh64()
+    for number, each in enumerate(solids):
+        mesh = each.to_mesh64()
         corners = np.asarray(mesh.tri_verts, np.int64).reshape(-1, 3)
         # where the triangles of each of the bodies that it was made from begin
         begin = np.searchsorted(mesh.run_index, 3 * np.arange(len(corners)), "right") - 1
@@ -105,16 +105,16 @@ def manifolds(bodies: Bodies) -> list[Manifold]:
 
 
 def joined_mesh(bodies: Bodies) -> TriangleMesh:
-    """The union of bodies that reach into each other, standing on z = 0.
+    """The union of bodies that reach into each other, moved up or down to stand on z = 0.
 
-    Corners nearer to each other than single precision can tell become one, so that files of that
+    Corners nearer to each other than single precision resolves become one, so that files of that
     precision have no slivers.
     """
     from manifold3d import Manifold, OpType
 
     whole = Manifold.batch_boolean(manifolds(bodies), OpType.Add)
     # as an original, it forgets between which of the bodies its edges ran
-    mesh = whole.as_original().simplify(told_apart_mm(bodies)).to_mesh64()
+    mesh = whole.as_original().simplify(resolution_mm(bodies)).to_mesh64()
     coords = np.array(mesh.vert_properties[:, :3], np.float64)
     coords[:, 2] -= coords[:, 2].min(initial=0.0)
     triangles = np.asarray(mesh.tri_verts, np.int64)
@@ -122,7 +122,7 @@ def joined_mesh(bodies: Bodies) -> TriangleMesh:
     return TriangleMesh(coords, triangles, plane)
 
 
-def told_apart_mm(bodies: Bodies) -> float:
-    """A distance that single precision resolves everywhere in the bodies, and no one can print."""
+def resolution_mm(bodies: Bodies) -> float:
+    """A distance that single precision resolves everywhere in the bodies, too small to print."""
     reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
     return max(1e-4, 2 * reach * float(np.finfo(np.float32).eps))

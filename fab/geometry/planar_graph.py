@@ -1,4 +1,4 @@
-"""Which faces do lines in the plane enclose, and where do lines cross or lie on each other?"""
+"""Planar graphs: the faces that lines enclose, and lines that cross or lie on each other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CHUNK = 100_000
 
 
 def without_dangling(edges_vertices: IntArray) -> BoolArray:
-    """Which edges are left when edges with a free end are taken away, again and again, (ne,)."""
+    """Which edges are left when edges with a free end are removed, again and again, (ne,)."""
     kept = np.ones(len(edges_vertices), bool)
     while kept.any():
         degree = np.bincount(edges_vertices[kept].ravel(), minlength=int(edges_vertices.max()) + 1)
@@ -35,6 +35,12 @@ def enclosed_faces(
     clockwise from the one it came by, so that the face stays on its left (Muller and Preparata
     1978, doubly connected edge lists). Walks around a whole component run clockwise and are left
     out. Edges must not cross; edges with a free end make a face pass its vertices twice.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> lines = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]])
+    >>> corners, offsets = enclosed_faces(square, lines)
+    >>> corners.tolist(), offsets.tolist()
+    ([0, 1, 2, 2, 3, 0], [0, 3, 6])
     """
     start = edges_vertices.T.ravel()
     end = edges_vertices[:, ::-1].T.ravel()
@@ -48,7 +54,7 @@ def enclosed_faces(
     place[order] = np.arange(count)
     first = np.searchsorted(start[order], np.arange(len(vertices_coords)))
     last = np.searchsorted(start[order], np.arange(len(vertices_coords)), "right") - 1
-    back = place[twin]  # where the way back stands among the edges of the end
+    back = place[twin]  # of the half edge that runs back, among those that begin at the end
     following = order[np.where(back == first[end], last[end], back - 1)].tolist()
     seen = np.zeros(count, bool).tolist()
     walks: list[int] = []
@@ -76,7 +82,7 @@ def first_crossing(
 ) -> tuple[int, int, FloatArray] | None:
     """Two edges that meet elsewhere than in a common vertex, and a point where; None if none do.
 
-    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); of two such edges,
+    tolerance : an end this near to an edge lies on it. may_touch : shape (ne,); of two such edges,
     ends may lie on the other edge, or both on each other (the lips of a slit); they must not cross.
     """
     ends = vertices_coords[edges_vertices]
@@ -98,7 +104,7 @@ def first_abutting(
     Of faces that are counterclockwise, and wind these edges, one lies on either side. Edges that
     turn away from each other, or meet end to end, do not abut.
 
-    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); two such edges may
+    tolerance : an end this near to an edge lies on it. may_touch : shape (ne,); two such edges may
     abut.
     """
     ends = vertices_coords[edges_vertices]
@@ -123,7 +129,7 @@ def first_abutting(
 
 
 def _near(ends: FloatArray, tolerance: float) -> Iterator[tuple[IntArray, IntArray]]:
-    """Pairs of edges whose boxes come nearer than the tolerance, many at a time, first < second."""
+    """Pairs of edges whose boxes come nearer than the tolerance, in batches, first < second."""
     import shapely
 
     tree = shapely.STRtree(shapely.linestrings(ends))

@@ -1,6 +1,6 @@
-"""Which bodies come near each other, and which planes show that they stay apart?
+"""Bodies near each other, and planes that show how far they are apart.
 
-The bodies of a pair lie apart by at least as much as their shadows on any line do: this holds for
+The bodies of a pair are apart by at least as much as their shadows on any line are: this holds for
 bodies of any shape, and is exact for the right line where both are convex.
 """
 
@@ -16,7 +16,7 @@ from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["apart_along", "apart_at_least", "near_pairs"]
 
-# So many coordinates are looked at at a time: this bounds the memory, not the answer.
+# Coordinates compared at a time: this bounds the memory, not the answer.
 _AT_ONCE = 3_000_000
 # Steps towards the nearest points of two bodies; what they leave undecided needs exact distances.
 _STEPS = 12
@@ -47,12 +47,12 @@ def apart_along(bodies: Bodies, pairs: IntArray, directions: FloatArray) -> Floa
 
 
 def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArray:
-    """Distances that planes show to lie between the bodies of each pair, mm, shape (n,).
+    """Distances between the bodies of each pair, as far as planes show them, mm, shape (n,).
 
     First between their boxes, then along the sides of both bodies; those pairs that these do not
     show to be `wanted_mm` apart also across lines ever closer to the one between their nearest
-    points. Negative where no plane separates them: then sides of theirs reach into each other so
-    deep at most.
+    points. Negative where no plane separates them: then their sides reach into each other by at
+    most as much.
     """
     low, high = bodies.boxes()
     one, two = pairs.T
@@ -83,9 +83,9 @@ def _walked(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArra
     x = middles[one] - middles[two]
     active = np.arange(len(pairs))
     for _ in range(_STEPS):
-        way = unit(x[active])
-        corner = _corners(bodies, one[active], -way) - _corners(bodies, two[active], way)
-        bound = dot(way, corner)
+        along = unit(x[active])
+        corner = _corners(bodies, one[active], -along) - _corners(bodies, two[active], along)
+        bound = dot(along, corner)
         best[active] = np.fmax(best[active], bound)
         step = corner - x[active]
         with np.errstate(invalid="ignore", divide="ignore"):

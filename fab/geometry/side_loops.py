@@ -1,4 +1,4 @@
-"""Which rings of corners bound each planar side of each body?"""
+"""Rings of corners that bound the planar sides of bodies."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     Rings that meet in a vertex stay apart: around it they go on within the same fan of triangles.
     Vertices within a side are in no ring.
 
-    Raises `InvalidValue` where triangles do not close a body.
+    Raises `InvalidState` where triangles do not close a body.
     """
     triangles = bodies.triangles
     if not len(triangles):

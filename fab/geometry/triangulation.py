@@ -1,4 +1,4 @@
-"""Which triangles cover plane regions with holes, many of them at once?"""
+"""Triangles over plane regions with holes, many regions at once."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ def _fans(rings: FloatArray) -> IntArray:
         [[[s, (s + k) % n, (s + k + 1) % n] for k in range(1, n - 1)] for s in range(n)]
     )
     at = rings[:, fans]
-    one, two = at[..., 1, :] - at[..., 0, :], at[..., 2, :] - at[..., 0, :]
-    thinnest = (one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]).min(axis=2)
+    u, v = at[..., 1, :] - at[..., 0, :], at[..., 2, :] - at[..., 0, :]
+    thinnest = (u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]).min(axis=2)
     return np.asarray(fans[thinnest.argmax(axis=1)], np.int64)
 
 
@@ -84,8 +84,11 @@ def _delaunay(points: FloatArray, rings: IntArray, regions: IntArray, chosen: In
 def cap_triangles(rings: FloatArray) -> IntArray:
     """Triangles of simple counterclockwise polygons, shape (k, n, 2) -> (k, n - 2, 3).
 
-    Which they are says `fab.covering`. Raises `InvalidValue` for polygons of more than four corners
-    that cross or touch themselves.
+    They are those of `covered`. Raises `InvalidState` for polygons of more than four corners that
+    cross or touch themselves.
+
+    >>> cap_triangles(np.array([[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]])).tolist()
+    [[[0, 1, 2], [0, 2, 3]]]
     """
     count, n = rings.shape[:2]
     if n > 4:

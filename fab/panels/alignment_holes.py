@@ -25,7 +25,7 @@ def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, lis
     Panels in which it would leave less than a wall beside it stay whole, and are named.
     """
     edges = half_edges(panels.bodies)
-    lying = edges.lying(len(panels.bodies))
+    lying = edges.bottoms_and_tops(len(panels.bodies))
     free = shapely.intersection(*(_outlines(panels, edges, sides) for sides in lying))
     least = hole_mm / 2 / np.cos(np.pi / ROUND_SIDES) + wall_mm
     area = shapely.buffer(free, 0.0)  # without what has none, such as where sides only touch
@@ -71,7 +71,7 @@ def _pierced(
     first = len(bodies.vertices_coords) + 2 * count * np.arange(len(chosen))[:, None]
     here = np.arange(count)
     there = np.roll(here, -1)
-    bottoms, tops = (sides[chosen, None] for sides in edges.lying(len(bodies)))
+    bottoms, tops = (sides[chosen, None] for sides in edges.bottoms_and_tops(len(bodies)))
     # clockwise, seen from outside
     rings = [
         (here + first + count, there + first + count, np.broadcast_to(tops, places.shape[::2])),

@@ -1,4 +1,4 @@
-"""What is the flat shape of a folded sheet, and does it overlap itself?"""
+"""Development of a folded sheet: its flat shape, how exact it is, where it overlaps itself."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Development:
 
     Attributes
     ----------
-    vertices_coords : shape (nv, 2), in the units of the mesh; the box of least area around it
-        stands on the origin, its longer side along x.
+    vertices_coords : shape (nv, 2), in the units of the mesh; the box of least area around it has
+        a corner at the origin and its longer side along x.
     isometry_max_rel : largest relative change of a side or diagonal of a face.
     closure_max : largest distance between the places that different faces give a vertex.
     overlaps : pairs of faces that overlap in the plane, shape (n, 2).
@@ -46,7 +46,13 @@ def develop(mesh: QuadMesh) -> Development:
     Every face is laid down as it is, so nothing is fitted: where the mesh is developable the
     faces agree on their vertices, and `closure_max` says how well. Cost: O(nf log nf).
 
-    Raises `InvalidValue` for a mesh without faces, with a face without area, or in several pieces.
+    Raises `InvalidValue` for a mesh without faces or with a face without area, `InvalidState` for
+    one in several pieces.
+
+    >>> from solver import Miura
+    >>> flat = develop(Miura(columns=4, rows=3).grow().mesh)
+    >>> flat.isometry_max_rel < 1e-12, len(flat.overlaps)
+    (True, 0)
     """
     coords = mesh.vertices_coords
     corner, offsets = mesh.polygons
@@ -102,9 +108,9 @@ def _unfolding_tree(
     shared = edges.edges_faces[:, 1] >= 0
     ends = coords[edges.edges_vertices[shared]]
     length = norm(ends[:, 1] - ends[:, 0])
-    one, two = edges.edges_faces[shared].T
+    pairs = tuple(edges.edges_faces[shared].T)
     cost = length.max() / np.maximum(length, 1e-100 * length.max()) if len(length) else length
-    graph = csr_array((cost, (one, two)), shape=(count, count))
+    graph = csr_array((cost, pairs), shape=(count, count))
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     if not np.isfinite(distance).all():
         lost = np.flatnonzero(~np.isfinite(distance))
@@ -185,7 +191,7 @@ def _upright(flat: FloatArray) -> FloatArray:
         for axis in (edge, across)
     )
     area = extent[0] * extent[1]
-    # equal boxes (a Miura sheet has two) must not be told apart by rounding
+    # rounding must not decide between equal boxes (a Miura sheet has two)
     best = int(np.flatnonzero(area <= area.min() * (1 + 1e-9))[0])
     u = edge[best]
     if extent[1][best] > extent[0][best]:

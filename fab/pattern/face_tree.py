@@ -1,4 +1,4 @@
-"""Along which tree is every face reached from the middle of its piece, and what adds up there?"""
+"""Trees of faces, from the middle of each piece of a sheet, and products of motions along them."""
 
 from __future__ import annotations
 
@@ -54,17 +54,16 @@ class FaceTree:
 
 
 def face_tree(centres: FloatArray, pairs: IntArray, lengths: FloatArray) -> FaceTree:
-    """Reach every face over the longest sides, which are known best.
+    """The trees that reach every face over the longest sides, which are known best.
 
     centres : shape (n, 2), middles of the faces; pairs : shape (m, 2), neighbours; lengths : shape
     (m,), of their common sides. Neighbours that share several sides are joined over the last.
     """
     count = len(centres)
-    one, two = pairs.T
     keys = edge_keys(pairs, count)
     _, last = np.unique(keys[::-1], return_index=True)
     chosen = len(keys) - 1 - last
-    ends = one[chosen], two[chosen]
+    ends = tuple(pairs[chosen].T)
     graph = coo_array((1 / lengths[chosen], ends), shape=(count, count)).tocsr()
     tree = minimum_spanning_tree(graph)
     tree = tree + tree.T

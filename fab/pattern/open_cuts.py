@@ -1,4 +1,4 @@
-"""Which sheet is left when its cuts are open?"""
+"""The sheet that is left when the cuts between its faces are open."""
 
 from __future__ import annotations
 

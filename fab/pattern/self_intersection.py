@@ -1,7 +1,7 @@
-"""Does the folded sheet pass through itself, and which of its faces cross?
+"""Self-intersection of a folded sheet: the pairs of faces that cross.
 
 Two faces A and B cross where a segment of the line in which their planes meet runs inside both.
-Seen from the front, with B's plane edge on along the line:
+Seen from the front, with B's plane edge-on along the line:
 
       +---------+              A+  the parts of the line that have A just above them
       |    A    |              A-  the parts that have A just below them
@@ -32,7 +32,7 @@ CONTACT_REL = 1e-9
 # Corners known to 1e-12 of the diagonal tilt a plane by that over the face's width; over its length
 # this makes 8e-12 for each unit of (distance of a corner from the middle)^2 / area.
 _TILT_REL = 1e-11
-# Boxes are looked up for so many faces at a time: this bounds the memory, not the answer.
+# Faces whose boxes are looked up at a time: this bounds the memory, not the answer.
 _FACES_AT_ONCE = 4096
 
 
@@ -59,7 +59,7 @@ def crossing_faces(
     Parameters
     ----------
     folded_coords : shape (nv, 3), in any unit.
-    faces_vertices, faces_offsets : plane polygons of any size, see `fab.crease`.
+    faces_vertices, faces_offsets : plane polygons of any size, see `fab.pattern.crease_pattern`.
 
     Faces that touch do not cross, whether in a shared vertex or edge, in a point, along a line or
     face on face, as in a sheet folded flat. They cross where each reaches through the other's plane
@@ -70,6 +70,13 @@ def crossing_faces(
     the sheet runs exactly along a crease of another no two interiors cross: this is not reported.
 
     Cost: O(n log n) for a sheet that is spread out, more where many faces lie above one another.
+
+    An upright square that passes through a flat one:
+
+    >>> flat = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> upright = np.array([[1, 1, -1], [1, 3, -1], [1, 3, 1], [1, 1, 1]])
+    >>> crossing_faces(np.vstack([flat, upright]) * 1.0, np.arange(8), np.array([0, 4, 8])).tolist()
+    [[0, 1]]
     """
     faces, diagonal = _faces(folded_coords, faces_vertices, faces_offsets)
     found = [np.empty((0, 2), np.int64)]

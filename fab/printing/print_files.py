@@ -81,7 +81,7 @@ def thick_files(
     Raises `InvalidJob` for sheets so large that single precision does not tell their bottom from
     their top.
     """
-    from fab.geometry.booleans import joined_mesh, told_apart_mm
+    from fab.geometry.booleans import joined_mesh, resolution_mm
     from fab.panels.step import step_bytes
 
     printer = print_with.printer
@@ -93,7 +93,7 @@ def thick_files(
     findings += found
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
-    thickness, nearest = settings.panels.thickness_mm, told_apart_mm(sheet.bodies)
+    thickness, nearest = settings.panels.thickness_mm, resolution_mm(sheet.bodies)
     if thickness <= nearest:
         width = float(np.ptp(pattern.vertices_coords, axis=0).max())
         raise InvalidJob(
