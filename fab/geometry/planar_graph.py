@@ -86,8 +86,8 @@ def first_crossing(
     ends may lie on the other edge, or both on each other (the lips of a slit); they must not cross.
     """
     ends = vertices_coords[edges_vertices]
-    for one, two in _near(ends, tolerance):
-        found = _meeting(ends, edges_vertices, one, two, tolerance, may_touch)
+    for first, second in _near(ends, tolerance):
+        found = _meeting(ends, edges_vertices, first, second, tolerance, may_touch)
         if found is not None:
             return found
     return None
@@ -108,10 +108,10 @@ def first_abutting(
     abut.
     """
     ends = vertices_coords[edges_vertices]
-    for one, two in _near(ends, tolerance):
-        checked = ~(may_touch[one] & may_touch[two])
-        one, two = one[checked], two[checked]
-        (a, b), (c, d) = ends[one].swapaxes(0, 1), ends[two].swapaxes(0, 1)
+    for first, second in _near(ends, tolerance):
+        checked = ~(may_touch[first] & may_touch[second])
+        first, second = first[checked], second[checked]
+        (a, b), (c, d) = ends[first].swapaxes(0, 1), ends[second].swapaxes(0, 1)
         length = np.hypot(*(b - a).T)
         along = (b - a) / length[:, None]
         level = np.abs([_off(a, b, c), _off(a, b, d)]).max(axis=0) <= tolerance
@@ -124,7 +124,7 @@ def first_abutting(
         if len(found):
             k = int(found[0])
             middle = low[k] + common[k] / 2
-            return int(one[k]), int(two[k]), a[k] + middle * along[k]
+            return int(first[k]), int(second[k]), a[k] + middle * along[k]
     return None
 
 
@@ -135,30 +135,30 @@ def _near(ends: FloatArray, tolerance: float) -> Iterator[tuple[IntArray, IntArr
     tree = shapely.STRtree(shapely.linestrings(ends))
     boxes = shapely.box(*(ends.min(axis=1) - tolerance).T, *(ends.max(axis=1) + tolerance).T)
     for begin in range(0, len(ends), _CHUNK):
-        one, two = tree.query(boxes[begin : begin + _CHUNK])
-        one = one + begin
-        yield one[one < two], two[one < two]
+        first, second = tree.query(boxes[begin : begin + _CHUNK])
+        first = first + begin
+        yield first[first < second], second[first < second]
 
 
 def _meeting(
     ends: FloatArray,
     edges_vertices: IntArray,
-    one: IntArray,
-    two: IntArray,
+    first: IntArray,
+    second: IntArray,
     tolerance: float,
     may_touch: BoolArray,
 ) -> tuple[int, int, FloatArray] | None:
-    a, b = ends[one].swapaxes(0, 1)
-    c, d = ends[two].swapaxes(0, 1)
+    a, b = ends[first].swapaxes(0, 1)
+    c, d = ends[second].swapaxes(0, 1)
     sides = [_off(a, b, c), _off(a, b, d), _off(c, d, a), _off(c, d, b)]
     apart = np.min([np.abs(side) for side in sides], axis=0) > tolerance
     crosses = apart & (sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0)
-    touching = ~(may_touch[one] & may_touch[two])
+    touching = ~(may_touch[first] & may_touch[second])
     for (p, q), others, ours, point in (
-        ((a, b), edges_vertices[one], edges_vertices[two, 0], c),
-        ((a, b), edges_vertices[one], edges_vertices[two, 1], d),
-        ((c, d), edges_vertices[two], edges_vertices[one, 0], a),
-        ((c, d), edges_vertices[two], edges_vertices[one, 1], b),
+        ((a, b), edges_vertices[first], edges_vertices[second, 0], c),
+        ((a, b), edges_vertices[first], edges_vertices[second, 1], d),
+        ((c, d), edges_vertices[second], edges_vertices[first, 0], a),
+        ((c, d), edges_vertices[second], edges_vertices[first, 1], b),
     ):
         shared = (others == ours[:, None]).any(axis=1)
         on = touching & ~shared & (np.abs(_off(p, q, point)) <= tolerance)
@@ -168,11 +168,11 @@ def _meeting(
         on &= (along >= -tolerance) & (along <= length + tolerance)
         if on.any():
             k = int(np.argmax(on))
-            return int(one[k]), int(two[k]), point[k]
+            return int(first[k]), int(second[k]), point[k]
     if crosses.any():
         k = int(np.argmax(crosses))
         share = sides[2][k] / (sides[2][k] - sides[3][k])
-        return int(one[k]), int(two[k]), a[k] + share * (b[k] - a[k])
+        return int(first[k]), int(second[k]), a[k] + share * (b[k] - a[k])
     return None
 
 

@@ -30,9 +30,13 @@ def near_pairs(bodies: Bodies, reach_mm: float) -> IntArray:
     low, high = low - reach_mm / 2, high + reach_mm / 2
     thin, *wide = np.argsort(high.max(axis=0) - low.min(axis=0), kind="stable").tolist()
     boxes = shapely.box(low[:, wide[0]], low[:, wide[1]], high[:, wide[0]], high[:, wide[1]])
-    one, two = shapely.STRtree(boxes).query(boxes)
-    near = (one < two) & (low[one, thin] <= high[two, thin]) & (low[two, thin] <= high[one, thin])
-    pairs = np.column_stack([one[near], two[near]])
+    first, second = shapely.STRtree(boxes).query(boxes)
+    near = (
+        (first < second)
+        & (low[first, thin] <= high[second, thin])
+        & (low[second, thin] <= high[first, thin])
+    )
+    pairs = np.column_stack([first[near], second[near]])
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
@@ -55,8 +59,8 @@ def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> Fl
     most as much.
     """
     low, high = bodies.boxes()
-    one, two = pairs.T
-    best: FloatArray = np.maximum(low[one] - high[two], low[two] - high[one]).max(axis=1)
+    first, second = pairs.T
+    best: FloatArray = np.maximum(low[first] - high[second], low[second] - high[first]).max(axis=1)
     normals, offsets, heights = _sides(bodies, np.unique(pairs[best < wanted_mm]))
     for own, other in ((0, 1), (1, 0)):
         undecided = np.flatnonzero(best < wanted_mm)
@@ -77,14 +81,14 @@ def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> Fl
 def _walked(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArray:
     """The nearest point to the origin of all differences of points, by Frank and Wolfe's method."""
     best = np.full(len(pairs), -np.inf)
-    one, two = pairs.T
+    first, second = pairs.T
     middles = np.add.reduceat(bodies.vertices_coords, bodies.vertices_offsets[:-1])
     middles /= np.diff(bodies.vertices_offsets)[:, None]
-    x = middles[one] - middles[two]
+    x = middles[first] - middles[second]
     active = np.arange(len(pairs))
     for _ in range(_STEPS):
         along = unit(x[active])
-        corner = _corners(bodies, one[active], -along) - _corners(bodies, two[active], along)
+        corner = _corners(bodies, first[active], -along) - _corners(bodies, second[active], along)
         bound = dot(along, corner)
         best[active] = np.fmax(best[active], bound)
         step = corner - x[active]

@@ -134,9 +134,9 @@ def inspect_closure(pattern: CreasePattern) -> list[Finding]:
         Finding(
             "angles-open",
             Severity.WARNING,
-            f"the fold angles around {where} miss closure by over {_CLOSURE_DEG:g} degrees; worst is "
-            f"vertex {worst} at ({x:.6g}, {y:.6g}) mm, by {gaps[worst]:.4g} degrees. Faces cannot stay "
-            "flat there: change its angles, or add a crease.",
+            f"the fold angles around {where} miss closure by over {_CLOSURE_DEG:g} degrees; worst "
+            f"is vertex {worst} at ({x:.6g}, {y:.6g}) mm, by {gaps[worst]:.4g} degrees. Faces "
+            "cannot stay flat there: change its angles, or add a crease.",
         )
     ]
 

@@ -52,8 +52,8 @@ def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> IntArray:
     # Whether two shapes meet is decided exactly, where their common area may fail to be built.
     contact = _CONTACT_REL * float(np.hypot(*np.ptp(corners, axis=0)))
     shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
-    one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
-    pairs = np.column_stack([one, two])[one != two]
+    first, second = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
+    pairs = np.column_stack([first, second])[first != second]
     keys = np.unique(edge_keys(pairs, len(shapes)))
     overlapping = np.column_stack(np.divmod(keys, len(shapes)))
     return np.concatenate([np.column_stack([crossed, crossed]), overlapping]).astype(np.int64)

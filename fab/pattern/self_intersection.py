@@ -85,15 +85,15 @@ def crossing_faces(
         return found[0]  # folded flat: no face has room to pass through another
     tree = shapely.STRtree(boxes)
     for start in range(0, len(boxes), _FACES_AT_ONCE):
-        one, two = tree.query(boxes[start : start + _FACES_AT_ONCE])
-        one = one + start
-        near = (one < two) & (low[one] <= high[two]) & (low[two] <= high[one])
-        one, two = one[near], two[near]
+        first, second = tree.query(boxes[start : start + _FACES_AT_ONCE])
+        first = first + start
+        near = (first < second) & (low[first] <= high[second]) & (low[second] <= high[first])
+        first, second = first[near], second[near]
         for swap in (False, True):
-            through = _reaches_through(faces, *((two, one) if swap else (one, two)))
-            one, two = one[through], two[through]
-        cut = _meet_inside(faces, one, two)
-        found.append(np.column_stack([one[cut], two[cut]]))
+            through = _reaches_through(faces, *((second, first) if swap else (first, second)))
+            first, second = first[through], second[through]
+        cut = _meet_inside(faces, first, second)
+        found.append(np.column_stack([first[cut], second[cut]]))
     pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
@@ -154,16 +154,16 @@ def _reaches_through(faces: _Faces, of: IntArray, over: IntArray) -> BoolArray:
     return out
 
 
-def _meet_inside(faces: _Faces, one: IntArray, two: IntArray) -> BoolArray:
+def _meet_inside(faces: _Faces, first: IntArray, second: IntArray) -> BoolArray:
     """Whether A+, A-, B+ and B- of the module's drawing have a segment in common, shape (pairs,).
 
     Every place where a side of a polygon crosses the line is where one of the four begins or ends.
     """
-    if len(one) == 0:
+    if len(first) == 0:
         return np.zeros(0, bool)
-    line = unit(cross(faces.normals[one], faces.normals[two]))
+    line = unit(cross(faces.normals[first], faces.normals[second]))
     pairs, places, kinds = [], [], []
-    for face, (of, over) in enumerate(((one, two), (two, one))):
+    for face, (of, over) in enumerate(((first, second), (second, first))):
         height, corner, pair, starts = _heights(faces, of, over)
         following = next_corner(starts)
         along = dot(faces.corners[corner], line[pair])
@@ -181,8 +181,8 @@ def _meet_inside(faces: _Faces, one: IntArray, two: IntArray) -> BoolArray:
     begins_or_ends = np.concatenate(kinds)[order][:, None] == np.arange(4)
     # sides cross the line an even number of times, so that no pair leaves anything to the next
     inside = (np.cumsum(begins_or_ends, axis=0) % 2 == 1).all(axis=1)[:-1]
-    slack = np.maximum(faces.slack[one], faces.slack[two])
+    slack = np.maximum(faces.slack[first], faces.slack[second])
     common = inside & (np.diff(place) > slack[pair[:-1]])
-    out = np.zeros(len(one), bool)
+    out = np.zeros(len(first), bool)
     out[pair[:-1][common]] = True
     return out

@@ -71,8 +71,8 @@ def test_edges_of_a_patch_satisfy_euler():
     assert len(mesh.vertices_coords) - len(edges.edges_vertices) + len(mesh.faces_vertices) == 1
     assert (edges.edges_faces[:, 1] < 0).sum() == 2 * (3 + 4)
     # the first face has the edge in its own direction, the second against it
-    for (a, b), (one, two) in zip(edges.edges_vertices, edges.edges_faces, strict=True):
-        for face, (u, v) in ((one, (a, b)), (two, (b, a))):
+    for (a, b), (first, second) in zip(edges.edges_vertices, edges.edges_faces, strict=True):
+        for face, (u, v) in ((first, (a, b)), (second, (b, a))):
             if face >= 0:
                 ring = mesh.faces_vertices[face].tolist()
                 assert ring[(ring.index(u) + 1) % 4] == v
