@@ -222,11 +222,11 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
     for side, row, ahead in ((Side.TOP, 2, slice(None)), (Side.BOTTOM, 0, slice(None, None, -1))):
         follow = _Follower(target, places[row][ahead], offsets[row], _LONGEST * 2 * along_u)
 
-        def tell(done: int, _: int, before: int = strips) -> None:
+        def report(done: int, _: int, before: int = strips) -> None:
             if progress is not None:
                 progress(min(before + done, expected), expected)
 
-        growth = grow(mesh, 20 * setting.columns, follow.choose, side=side, progress=tell)
+        growth = grow(mesh, 20 * setting.columns, follow.choose, side=side, progress=report)
         mesh, strips = growth.mesh, strips + growth.strips
         new = np.array([row[ahead] for row in follow.rows[: growth.strips]])
         new = new.reshape(-1, *places.shape[1:])

@@ -28,7 +28,7 @@ class CorneredMiura:
 
     Attributes
     ----------
-    columns, rows : number of quads each way of the whole Miura sheet.
+    columns, rows : number of quads in each direction of the whole Miura sheet.
     corner_column, corner_row : quads to the left of the corner and below it.
     sector_angle, fold : see `solver.seeds.miura`.
     strips : how many go around the corner; at most as many as fill it where they match.

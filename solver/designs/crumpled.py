@@ -26,7 +26,7 @@ class Crumpled:
 
     Attributes
     ----------
-    columns, strips : number of quads each way, the seed's strip included.
+    columns, strips : number of quads in each direction, the seed's strip included.
     beta, k : angles of the seed's front, radians.
     power : p of the lengths X (1 - k/2pi)^p, X uniform in (0.1, 0.9) of the length's bound:
         the larger, the more a strip shrinks towards flat regions.

@@ -98,7 +98,7 @@ class MeshSurface:
         """The surface of a mesh of at most a million triangles, or of quads.
 
         Repaired: vertices that coincide, vertices of no face, faces without area, repeated faces,
-        faces wound the other way round than their neighbours. Refused, with `InvalidValue`: edges
+        faces wound against their neighbours. Refused, with `InvalidValue`: edges
         of three faces, one-sided meshes, several pieces, rims along which no skirt can be laid.
 
         faces : (m, 3), or (m, 4): quads, cut along their shorter diagonals.
@@ -364,7 +364,7 @@ def _edges(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]:
 def _rim(triangles: IntArray, count: int) -> IntArray:
     """Edges (e, 2) with a face on one side, in its direction; each vertex begins one at most."""
     ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
-    ahead, back = (edge_keys(way, count, directed=True) for way in (ends, ends[:, ::-1]))
+    ahead, back = (edge_keys(pairs, count, directed=True) for pairs in (ends, ends[:, ::-1]))
     rim = ends[~np.isin(ahead, back)]
     uses = np.bincount(rim[:, 0], minlength=1)
     if uses.max() > 1:

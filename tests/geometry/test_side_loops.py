@@ -135,9 +135,9 @@ def test_rings_bound_the_area_of_their_triangles(columns, rows, axis):
     assert found == pytest.approx(total, rel=1e-12)
     # each edge of a body is walked once in each direction
     after = loops.corners[next_corner(loops.offsets)]
-    there = set(zip(loops.corners.tolist(), after.tolist(), strict=True))
-    assert len(there) == len(loops.corners)
-    assert there == {(b, a) for a, b in there}
+    directed = set(zip(loops.corners.tolist(), after.tolist(), strict=True))
+    assert len(directed) == len(loops.corners)
+    assert directed == {(b, a) for a, b in directed}
 
 
 def test_bodies_that_are_not_closed_are_refused():

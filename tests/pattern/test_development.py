@@ -141,7 +141,7 @@ def test_faces_that_overlap_by_less_than_rounding_are_in_contact(depth, count):
     assert len(overlaps_of(square, square + np.array([1 - depth, 0.3]))) == count
 
 
-def test_the_published_curved_fold_overlaps_itself_and_says_where():
+def test_the_published_curved_fold_overlaps_itself_in_faces_that_are_named():
     overlaps = develop(CurvedFold().grow().mesh).overlaps
     assert len(overlaps) > 1000
     flat = develop(CurvedFold().grow().mesh).vertices_coords
@@ -150,7 +150,7 @@ def test_the_published_curved_fold_overlaps_itself_and_says_where():
     assert first.intersection(second).area > 0
 
 
-def test_a_sheet_that_does_not_close_says_how_far():
+def test_a_sheet_that_does_not_close_is_measured():
     rows = Miura(columns=4, rows=4).grow().mesh
     bent = rows.vertices_coords.copy()
     bent[12] += [0.0, 0.0, 0.05]

@@ -123,7 +123,7 @@ def polygons(draw):
     ]
 
 
-def test_the_exact_judge_tells_crossing_from_touching():
+def test_the_exact_judge_distinguishes_crossing_from_touching():
     square = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)]
     assert cross_exactly(square, [(1, 1, -1), (1, 1, 1), (1, 5, 0)])
     assert not cross_exactly(square, [(1, 1, 0), (1, 1, 1), (1, 5, 1)])  # stands on it

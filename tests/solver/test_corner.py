@@ -330,8 +330,8 @@ def test_a_part_as_wide_as_the_front_is_an_ordinary_strip():
     assert (first.faces_vertices == second.faces_vertices).all()
 
 
-def test_progress_and_a_stop_of_ones_own():
-    rows, told = miura(6, 6), []
+def test_progress_and_a_stop_by_choice():
+    rows, reported = miura(6, 6), []
     mesh = with_hole(rows, 2, 2)
 
     def choose(strip: int) -> CornerStrip | Stop:
@@ -339,9 +339,9 @@ def test_progress_and_a_stop_of_ones_own():
             return Stop(Status.COVERED, "enough")
         return CornerStrip(lengths_around(rows, 2 + strip, 2 + strip))
 
-    growth = grow_corner(mesh, 4, choose, progress=lambda *steps: told.append(steps))
+    growth = grow_corner(mesh, 4, choose, progress=lambda *steps: reported.append(steps))
     assert (growth.status, growth.strips, growth.advice) == (Status.COVERED, 2, "enough")
-    assert told == [(1, 4), (2, 4)]
+    assert reported == [(1, 4), (2, 4)]
     assert (growth.mesh.grid < 0).sum() == 4
 
 
@@ -491,10 +491,10 @@ def test_faces_of_any_size_that_overlap_are_found_as_by_brute_force():
     assert sum(len(shapes) - 1 in pair for pair in expected) > 3
 
 
-def test_the_design_tells_its_progress_and_may_end_with_the_pentagon():
-    told = []
-    CorneredMiura(strips=3).grow(lambda *steps: told.append(steps))
-    assert told == [(1, 3), (2, 3), (3, 3)]
+def test_the_design_reports_progress_and_may_end_with_the_pentagon():
+    reported = []
+    CorneredMiura(strips=3).grow(lambda *steps: reported.append(steps))
+    assert reported == [(1, 3), (2, 3), (3, 3)]
     growth = CorneredMiura(strips=1).grow()
     assert (growth.status, growth.strips) == (Status.GROWN, 1)
     assert growth.mesh.grid.shape == (2, 12)

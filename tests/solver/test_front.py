@@ -159,7 +159,7 @@ def test_misuse_is_refused(call, match):
         lambda: Front.on_curve(ZIGZAG, 3.0).away_from_back(np.ones((2, 3))),
     ],
 )
-def test_rubbish_is_refused(call):
+def test_arguments_of_other_kinds_are_refused(call):
     with pytest.raises(InvalidValue):
         call()
 

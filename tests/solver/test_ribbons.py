@@ -23,7 +23,7 @@ def offset_from(outline: str, points: np.ndarray) -> np.ndarray:
         return points.real**2 + (points.imag / 0.6) ** 2 - 1
     if outline == "wave":
         return points.imag - 1.5 * np.sin(points.real)
-    reach = 4 * np.pi  # of the spiral's angle, told from its radius
+    reach = 4 * np.pi  # of the spiral's angle, measured by its radius
     return np.abs(np.exp(1j * (np.angle(points) - reach * (np.abs(points) - 0.4))) - 1)
 
 

@@ -292,7 +292,7 @@ def test_open_fronts_have_no_closings():
         Front.of(mesh, Side.TOP).closings()
 
 
-def test_half_angles_begin_where_they_are_told():
+def test_half_angles_begin_at_the_vertex_given():
     mesh = RandomTube(random_seed=1, strips=1).grow().mesh
     front = Front.of(mesh, Side.TOP)
     s, c = half_angles(front.couplings, front.deltas, 1.0, len(front.couplings) - 1)

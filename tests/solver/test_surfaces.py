@@ -238,7 +238,7 @@ def test_rows_that_cannot_be_planarised_are_nothing():
     assert planarised(SURFACES["waves"], far, np.array([-5.0, 5.0, -5.0])) is None
 
 
-def test_a_fit_that_dies_says_where_and_keeps_what_it_has():
+def test_a_fit_that_stops_names_the_place_and_keeps_what_it_has():
     growth = SurfaceFit(surface="hypar", zigzag=3.0, row_step=0.7, turn=0.0).grow()
     assert growth.status is not Status.GROWN
     assert "Along u, upwards: " in growth.advice
@@ -248,7 +248,7 @@ def test_a_fit_that_dies_says_where_and_keeps_what_it_has():
     assert 0.3 < growth.coverage < 0.7
 
 
-def test_a_surface_of_ones_own_is_followed():
+def test_a_surface_of_the_users_own_is_followed():
     bump = explicit_surface(lambda x, y: 0.3 * np.exp(-0.5 * (x**2 + y**2)), 2.0, 2.0)
     growth = SurfaceFit(surface=bump, columns=20).grow()
     assert growth.status is Status.GROWN
@@ -281,13 +281,13 @@ def test_points_beyond_the_centres_of_curvature_have_no_nearest_point():
     assert np.isnan(distance[1])
 
 
-def test_progress_is_told_and_never_runs_over():
-    told = []
+def test_progress_is_reported_and_never_runs_over():
+    reported = []
     SurfaceFit(columns=24, zigzag=3.0, row_step=1.0).grow(
-        lambda done, total: told.append((done, total))
+        lambda done, total: reported.append((done, total))
     )
-    assert told[0][0] == 1
-    assert all(done <= total for done, total in told)
+    assert reported[0][0] == 1
+    assert all(done <= total for done, total in reported)
 
 
 @pytest.mark.parametrize(

@@ -293,7 +293,7 @@ def test_what_can_be_repaired_is():
         size=(3 * len(triangles), 3)
     )
     faces = np.arange(len(soup)).reshape(-1, 3)
-    faces[::3] = faces[::3, ::-1]  # every third one wound the other way round
+    faces[::3] = faces[::3, ::-1]  # every third one wound against the others
     faces = np.vstack([faces, faces[:2], [[0, 0, 1]]])  # two of them twice, and a line
     soup = np.vstack([soup, [[5.0, 5.0, 5.0]]])  # a vertex of no face
     repaired = MeshSurface.from_faces(soup, faces, up=UP)

@@ -66,8 +66,8 @@ def test_prefix_products_map_the_first_flap_angle_to_all_others(front, first):
 @given(fronts(), st.floats(0.0, 6.28))
 def test_inverses_take_every_flap_angle_back_to_the_first(front, first):
     matrices = transfer_matrices(front.couplings, front.deltas)
-    there = transfer_flap_angles(matrices, np.array([first]))
-    back = transfer_each(inverse_matrices(matrices), there)[:, 0]
+    images = transfer_flap_angles(matrices, np.array([first]))
+    back = transfer_each(inverse_matrices(matrices), images)[:, 0]
     slope = np.abs(transfer_derivative(matrices, np.array([first]))[:, 0])
     assert (circle_distance(back, first) < 1e-13 * (1 + 1 / slope)).all()
 
