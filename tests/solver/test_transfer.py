@@ -56,7 +56,7 @@ def test_the_chain_is_what_the_grown_creases_measure(front, first):
 
 
 @given(fronts(), st.floats(0.0, 6.28))
-def test_prefix_products_map_the_first_flap_angle_to_all_others(front, first):
+def test_transfer_matrices_map_the_first_flap_angle_to_all_others(front, first):
     matrices = transfer_matrices(front.couplings, front.deltas)
     image = transfer_flap_angles(matrices, np.array([first, 1.0]))
     assert circle_distance(image[:, 0], flap_angles(front, first)).max() < 1e-9
