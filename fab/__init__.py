@@ -1,1 +1,150 @@
-"""Materials, machines and files: what a cutter, a printer and a simulator take."""
+"""Fabrication of origami: what a cutter, a printer, a CAD program and a simulator take.
+
+`import fab` alone loads nothing; each name below is loaded where it is first used.
+
+| to | call |
+|---|---|
+| run a job | `load_job`, `parse_job`, `make`; `write` what was `Made` |
+| make files of a folded quad mesh | `from_mesh`, a `Sheet`: `sheet.write("out", ["dxf", "fold"])` |
+| read a crease pattern | `read_pattern`; `read_any` and `convert` between programs |
+| cut it | `fabricate`, with `load_material` and `load_machine` |
+| fold it | `simulate`, with `FoldSettings` |
+| print it | `make_thick`, with `thick_settings` |
+| have it as solids | `thicken`, with `PanelSettings` and `HingeSettings`; `step_bytes` |
+| have it in build123d | `assembly`, a Compound with a joint at every crease; `pose` it |
+
+Its wings, each of which imports only wings above it:
+
+geometry : rings, planar graphs, triangulations and closed solids as arrays.
+pattern : the crease pattern in millimetres: development, kinematics, self-intersection.
+formats : files of other programs: FOLD, OBJ, SVG; surfaces in STL, PLY and STEP.
+layout : faces divided into pieces, and pieces placed on beds.
+drawings : cut paths by operation, written as DXF, SVG and PDF.
+sheets : a pattern as laser-cut sheets.
+folding : simulation from flat to folded, and its verdict.
+panels : thick panels and their hinges, CAD assemblies.
+clearance : bodies that must stay apart in every folded state.
+printing : printers, plates and joints, STL and 3MF.
+jobs : a job to all its files.
+cli : the command line.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fab.errors import Finding, InvalidFile, InvalidJob, Severity
+    from fab.folding.fold_settings import FoldSettings
+    from fab.folding.folding_files import simulate
+    from fab.formats.conversion import convert, read_any
+    from fab.formats.fold_reader import read_pattern
+    from fab.jobs.job import Job, load_job, parse_job
+    from fab.jobs.job_files import Format, Sheet, from_mesh, make
+    from fab.outputs import Made, write
+    from fab.panels.bevelled_panels import PanelSettings
+    from fab.panels.cad_assembly import assembly, pose
+    from fab.panels.hinges import HingeSettings
+    from fab.panels.step import step_bytes
+    from fab.panels.thick_sheet import thicken
+    from fab.pattern.crease_pattern import CreasePattern
+    from fab.printing.print_files import make_thick
+    from fab.printing.thick_settings import thick_settings
+    from fab.sheets.materials import load_machine, load_material
+    from fab.sheets.sheet_files import fabricate
+
+    __version__: str
+
+__all__ = [
+    "CreasePattern",
+    "Finding",
+    "FoldSettings",
+    "Format",
+    "HingeSettings",
+    "InvalidFile",
+    "InvalidJob",
+    "Job",
+    "Made",
+    "PanelSettings",
+    "Severity",
+    "Sheet",
+    "__version__",
+    "assembly",
+    "convert",
+    "fabricate",
+    "from_mesh",
+    "load_job",
+    "load_machine",
+    "load_material",
+    "make",
+    "make_thick",
+    "parse_job",
+    "pose",
+    "read_any",
+    "read_pattern",
+    "simulate",
+    "step_bytes",
+    "thick_settings",
+    "thicken",
+    "write",
+]
+
+# The module of each name.
+_MODULES = {
+    "CreasePattern": "fab.pattern.crease_pattern",
+    "Finding": "fab.errors",
+    "FoldSettings": "fab.folding.fold_settings",
+    "Format": "fab.jobs.job_files",
+    "HingeSettings": "fab.panels.hinges",
+    "InvalidFile": "fab.errors",
+    "InvalidJob": "fab.errors",
+    "Job": "fab.jobs.job",
+    "Made": "fab.outputs",
+    "PanelSettings": "fab.panels.bevelled_panels",
+    "Severity": "fab.errors",
+    "Sheet": "fab.jobs.job_files",
+    "assembly": "fab.panels.cad_assembly",
+    "convert": "fab.formats.conversion",
+    "fabricate": "fab.sheets.sheet_files",
+    "from_mesh": "fab.jobs.job_files",
+    "load_job": "fab.jobs.job",
+    "load_machine": "fab.sheets.materials",
+    "load_material": "fab.sheets.materials",
+    "make": "fab.jobs.job_files",
+    "make_thick": "fab.printing.print_files",
+    "parse_job": "fab.jobs.job",
+    "pose": "fab.panels.cad_assembly",
+    "read_any": "fab.formats.conversion",
+    "read_pattern": "fab.formats.fold_reader",
+    "simulate": "fab.folding.folding_files",
+    "step_bytes": "fab.panels.step",
+    "thick_settings": "fab.printing.thick_settings",
+    "thicken": "fab.panels.thick_sheet",
+    "write": "fab.outputs",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, loaded where it is first used (PEP 562)."""
+    if name == "__version__":
+        value: Any = _version()
+    elif name in _MODULES:
+        value = getattr(import_module(_MODULES[name]), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("quadfold")
+    except PackageNotFoundError:
+        return "not installed"

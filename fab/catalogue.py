@@ -1,20 +1,26 @@
-"""How is a machine or material read from a file that a person can copy and replace?"""
+"""The catalogue of shipped jobs, materials and machines, and files of one's own in their form."""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import Field, field_validator, model_validator
 
-from fab.errors import InvalidJob
+from fab.errors import InvalidJob, did_you_mean
 from fab.settings import Settings, checked, read_toml
 
 __all__ = ["CURE", "Bedded", "Described", "described", "load_described", "shipped", "shipped_of"]
 
 CURE = "Begin with a copy of a shipped file."
+# What a file is that does not name its kind.
+_KINDS = {"materials": "sheet", "machines": "cutter"}
+# Where the files are in an installed package, and in a checkout.
+_PACKAGED = Path(__file__).parent / "templates"
+_CHECKED_OUT = Path(__file__).parent.parent / "templates"
+
+Folder = Literal["materials", "machines"]
 
 
 class Described(Settings):
@@ -32,8 +38,7 @@ class Described(Settings):
         known = sorted(_keys(self.model_dump()))
         for key in self.starting_points:
             if key not in known:
-                close = difflib.get_close_matches(key, known, 1, 0.6)
-                hint = f" Did you mean {close[0]}?" if close else ""
+                hint = did_you_mean(key, known)
                 raise ValueError(f"starting_points names {key}, which is no key here.{hint}")
         return self
 
@@ -75,9 +80,13 @@ class Bedded(Described):
 
 
 Model = TypeVar("Model", bound=Described)
-Folder = Literal["materials", "machines"]
-# What a file is that does not say so.
-_KINDS = {"materials": "sheet", "machines": "cutter"}
+
+
+def shipped(folder: Literal["jobs", "materials", "machines"]) -> dict[str, Path]:
+    """The shipped TOML files of a folder by name, sorted."""
+    templates = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
+    place = templates if folder == "jobs" else templates / folder
+    return {path.stem: path for path in sorted(place.glob("*.toml"))}
 
 
 def described(folder: Folder) -> dict[str, tuple[str, str]]:
@@ -104,18 +113,7 @@ def load_described(model: type[Model], folder: Folder, name_or_path: str | Path)
     (wanted,) = get_args(model.model_fields["kind"].annotation)
     path = Path(name_or_path)
     if path.suffix != ".toml":
-        name = str(name_or_path)
-        kinds = {known: kind for known, (kind, _) in described(folder).items()}
-        known = [name for name, kind in kinds.items() if kind == wanted]
-        if name not in known:
-            what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
-            close = difflib.get_close_matches(name, known, 1, 0.4)
-            hint = f" Did you mean {close[0]}?" if close else ""
-            raise InvalidJob(
-                f"{folder[:-1]} {name!r} {what}must be one of {', '.join(known)}, or the path "
-                f"of a .toml file.{hint}"
-            )
-        path = shipped(folder)[name]
+        path = _shipped_file(str(name_or_path), folder, wanted)
     document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {folder}`.")
     kind = _kind(document, folder)
     if kind != wanted:
@@ -126,18 +124,17 @@ def load_described(model: type[Model], folder: Folder, name_or_path: str | Path)
     return checked(model, document, str(path), CURE)
 
 
+def _shipped_file(name: str, folder: Folder, wanted: str) -> Path:
+    kinds = {known: kind for known, (kind, _) in described(folder).items()}
+    known = [other for other, kind in kinds.items() if kind == wanted]
+    if name not in known:
+        what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
+        raise InvalidJob(
+            f"{folder[:-1]} {name!r} {what}must be one of {', '.join(known)}, or the path "
+            f"of a .toml file.{did_you_mean(name, known, 0.4)}"
+        )
+    return shipped(folder)[name]
+
+
 def _kind(document: Mapping[str, Any], folder: Folder) -> str:
     return str(document.get("kind", _KINDS[folder]))
-
-
-_PACKAGED = Path(__file__).parent / "templates"
-
-
-_CHECKED_OUT = Path(__file__).parent.parent / "templates"
-
-
-def shipped(kind: Literal["jobs", "materials", "machines"]) -> dict[str, Path]:
-    """Their TOML files by name, sorted."""
-    folder = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
-    folder = folder if kind == "jobs" else folder / kind
-    return {path.stem: path for path in sorted(folder.glob("*.toml"))}

@@ -18,6 +18,7 @@ __all__ = [
     "counted",
     "did_you_mean",
     "first_few",
+    "nearest",
 ]
 
 # A finding lists this many creases or panels; its text has the count of all.
@@ -25,7 +26,7 @@ _LISTED = 20
 
 
 class InvalidJob(OrigamiError, ValueError):
-    """A job that cannot be run as it stands; the message names every key at fault."""
+    """A job that cannot be run as it is; the message names every key at fault."""
 
 
 class InvalidFile(OrigamiError, ValueError):
@@ -58,16 +59,23 @@ class Finding:
     panels: tuple[int, ...] = field(default=())
 
 
-def did_you_mean(word: object, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """The sentence that names the known word nearest to an unknown one; empty where none is near.
+def nearest(word: object, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """The known word nearest to an unknown one; None where none is near.
 
     cutoff : of `difflib.get_close_matches`, from 0 (anything is near) to 1.
+    """
+    close = difflib.get_close_matches(str(word), list(known), 1, cutoff)
+    return close[0] if close else None
+
+
+def did_you_mean(word: object, known: Iterable[str], cutoff: float = 0.6) -> str:
+    """The sentence that names the `nearest` known word; empty where none is near.
 
     >>> did_you_mean("dfx", ["dxf", "svg"])
     ' Did you mean dxf?'
     """
-    close = difflib.get_close_matches(str(word), list(known), 1, cutoff)
-    return f" Did you mean {close[0]}?" if close else ""
+    close = nearest(word, known, cutoff)
+    return f" Did you mean {close}?" if close else ""
 
 
 def counted(count: int, noun: str, plural: str = "") -> str:

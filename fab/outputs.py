@@ -1,4 +1,4 @@
-"""Files and reports of a run: how they are named, listed and written."""
+"""Files and reports of a run: how they are named, listed, packed and written."""
 
 from __future__ import annotations
 
@@ -14,16 +14,18 @@ import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from fab.errors import Finding, InvalidJob, Severity
+from fab.errors import Finding, InvalidJob, Severity, did_you_mean
 from solver.vectors import FloatArray
 
 __all__ = [
     "Made",
     "box_mm",
     "file_names",
+    "formats_among",
     "left_over",
     "plain_title",
     "require_folder",
@@ -41,9 +43,12 @@ _CURES = {
 }
 
 
+Kind = TypeVar("Kind", bound=StrEnum)
+
+
 @dataclass(frozen=True)
 class Made:
-    """What a job made: files by name, and the report that goes with them."""
+    """What a run made: files by name, the report that goes with them, and its findings."""
 
     files: Mapping[str, bytes]
     report: Mapping[str, Any]
@@ -58,15 +63,15 @@ class Made:
 def with_report(
     files: Mapping[str, bytes], name: str, report: Mapping[str, Any], findings: Sequence[Finding]
 ) -> Made:
-    """Files and their report, the last of them: what is told, then all files and findings."""
-    listed = [
+    """Files and their report, the last of them: `report`, then all files and findings."""
+    outputs = [
         {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
         for file, data in files.items()
     ]
-    told = [dataclasses.asdict(finding) for finding in findings]
-    report = {**report, "outputs": listed, "findings": told}
-    data = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
-    return Made({**files, name: data}, report, tuple(findings))
+    listed = [dataclasses.asdict(finding) for finding in findings]
+    whole = {**report, "outputs": outputs, "findings": listed}
+    data = (json.dumps(whole, indent=2, allow_nan=False) + "\n").encode()
+    return Made({**files, name: data}, whole, tuple(findings))
 
 
 def box_mm(coords: FloatArray) -> list[float]:
@@ -74,16 +79,49 @@ def box_mm(coords: FloatArray) -> list[float]:
     return [round(float(side), 6) for side in coords.max(axis=0) - coords.min(axis=0)]
 
 
+def plain_title(text: str) -> str:
+    """The text with "_" for everything that cannot be printed.
+
+    That is control characters (XML cannot hold them), bytes of a file name that are not text, marks
+    that turn the direction of reading, and line breaks.
+    """
+    return "".join(letter if letter.isprintable() else "_" for letter in text)
+
+
 def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
     """What files of some formats are called, with plates or without."""
     return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
 
 
+def formats_among(names: Iterable[str], kinds: type[Kind], source: str) -> list[Kind]:
+    """The kinds of files of these names. Raises `InvalidJob`, which begins with `source`."""
+    known = [str(kind) for kind in kinds]
+    chosen = []
+    for name in names:
+        if name not in known:
+            hint = did_you_mean(name, known)
+            raise InvalidJob(f"{source} {str(name)!r} must be among {','.join(known)}.{hint}")
+        chosen.append(kinds(name))
+    return chosen
+
+
 def left_over(files: Iterable[str], kind: re.Pattern[str], folder: Path) -> list[Path]:
-    """What a folder has of a kind that is not among `files`: that of an earlier run."""
+    """Files of a kind in a folder that are not among `files`: those of an earlier run."""
     present = sorted(folder.iterdir()) if folder.is_dir() else []
     made = set(files)
     return [path for path in present if kind.fullmatch(path.name) and path.name not in made]
+
+
+def zip_bytes(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive of files by name, in their order, without dates."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as package:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = 0o644 << 16
+            package.writestr(entry, data)
+    return stream.getvalue()
 
 
 def require_folder(folder: Path) -> None:
@@ -98,18 +136,14 @@ def require_folder(folder: Path) -> None:
         raise InvalidJob(f"{folder}: no permission to write in {existing}. Choose another --out.")
 
 
-def _unwritten(folder: Path, error: OSError) -> InvalidJob:
-    cure = _CURES.get(error.errno or 0, "Choose another --out.")
-    why = error.strerror or error
-    return InvalidJob(f"{folder}: cannot be written: {why}. No half file was left. {cure}")
-
-
-def write(made: Made, folder: Path) -> None:
-    """Write all files of a job into `folder`, made if need be.
+def write(made: Made, folder: str | Path) -> None:
+    """Write all files of a run into `folder`, which is made where it is missing.
 
     Every file is written in full beside its place before any is renamed, so an interrupted run
-    leaves no half file under a final name. Raises `InvalidJob` where the folder cannot take them.
+    leaves no partial file under a final name. Raises `InvalidJob` where the folder cannot take the
+    files.
     """
+    folder = Path(folder)
     require_folder(folder)
     fresh = [p for p in [folder, *folder.absolute().parents] if not p.exists()]
     beside: Path | None = None
@@ -134,22 +168,7 @@ def write(made: Made, folder: Path) -> None:
                 made_folder.rmdir()
 
 
-def plain_title(text: str) -> str:
-    """The text with "_" for everything that cannot be printed.
-
-    Those are control characters (XML has no way to write them), bytes of a file name that are not
-    text, marks that turn the direction of reading, and line breaks.
-    """
-    return "".join(letter if letter.isprintable() else "_" for letter in text)
-
-
-def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """A zip archive of files by name, in their order, without dates."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as package:
-        for name, data in files.items():
-            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = 0o644 << 16
-            package.writestr(entry, data)
-    return stream.getvalue()
+def _unwritten(folder: Path, error: OSError) -> InvalidJob:
+    cure = _CURES.get(error.errno or 0, "Choose another --out.")
+    why = error.strerror or error
+    return InvalidJob(f"{folder}: cannot be written: {why}. No partial file was left. {cure}")

@@ -1,8 +1,7 @@
-"""How is what a person wrote down read and checked, and how is it said what is wrong with it?"""
+"""Tables that users write: how they are read and checked, and how their faults are named."""
 
 from __future__ import annotations
 
-import difflib
 import stat
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -13,11 +12,11 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
-from fab.errors import InvalidJob
+from fab.errors import InvalidJob, did_you_mean, nearest
 
 __all__ = ["Settings", "apply_change", "checked", "read_toml"]
 
-# Files that people write are a few kilobytes long.
+# Files that users write are a few kilobytes long.
 _LARGEST_BYTES = 1_000_000
 _LONGEST_SHOWN = 80
 
@@ -46,7 +45,7 @@ _OTHERS = {
 
 
 class Settings(BaseModel):
-    """Base of all tables that people write.
+    """Base of all tables that users write.
 
     Read-only, no unknown keys, no NaN, no text for numbers.
     """
@@ -121,9 +120,8 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = value.get("kind") if isinstance(value, Mapping) else None
         known = [name for table in _choices(annotation) for name in _kinds(table)]
-        close = difflib.get_close_matches(str(given), known, 1, 0.4)
-        hint = f" Did you mean {close[0]}?" if close else ""
-        return f"{key}.kind = {_shown(given)} must be one of {', '.join(sorted(known))}.{hint}"
+        must = f"must be one of {', '.join(sorted(known))}{_about(field)}"
+        return f"{key}.kind = {_shown(given)} {must}.{did_you_mean(given, known, 0.4)}"
     if kind == "missing" and place[-1].isdigit():
         return f"{'.'.join(place[:-1])} has too few values. Give all of them."
     if kind == "missing":
@@ -134,20 +132,20 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
         return f"{key} = {_shown(value)} must be a table, such as [{key}] with keys below it."
     given = f"{key} = {_shown(value)}"
     if kind == "value_error":
-        said = error["msg"].removeprefix("Value error, ")
-        said += "" if said.endswith(("?", ".")) else "."
+        fault = error["msg"].removeprefix("Value error, ")
+        fault += "" if fault.endswith(("?", ".")) else "."
         whole = isinstance(value, Mapping | Settings)
-        return f"{key if whole else given}: {said}" if key else said
+        return f"{key if whole else given}: {fault}" if key else fault
     if kind == "string_pattern_mismatch":
-        return f"{given} is refused. Correct it{_about(field)}."
+        return f"{given} is out of bounds. Correct it{_about(field)}."
     bound = _bound(field)
     if kind in _NUMBERS and (_NUMBERS[kind] or bound):
-        must = "must be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
+        must = "it must be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
     elif kind in _OTHERS:
-        must = "must " + _OTHERS[kind].format(**error.get("ctx", {}))
+        must = "it must " + _OTHERS[kind].format(**error.get("ctx", {}))
     else:
         must = error["msg"]
-    return f"{given} is refused: {must}. Correct it{_about(field)}."
+    return f"{given} is out of bounds: {must}. Correct it{_about(field)}."
 
 
 def _shown(value: Any) -> str:
@@ -171,18 +169,19 @@ def _bound(field: FieldInfo | None) -> str:
     return " and ".join(parts)
 
 
-def _hint(model: type[Settings], place: Sequence[str], here: Sequence[str], document: Any) -> str:
-    """The nearest known key, in the same table or else in any other."""
-    close = difflib.get_close_matches(place[-1], here, 1, 0.6)
+def _hint(model: type[Settings], place: Sequence[str], same: Sequence[str], document: Any) -> str:
+    """The nearest known key: of the same table, or else of any other."""
+    *above, key = place
+    close = nearest(key, same)
     if close:
-        return f" Did you mean {'.'.join([*place[:-1], close[0]])}?"
+        return f" Did you mean {'.'.join([*above, close])}?"
     elsewhere = {
-        key: f"{table}.{key}"
+        inner: f"{table}.{inner}"
         for table in model.model_fields
-        for key in _known_keys(model, [table], document)
+        for inner in _known_keys(model, [table], document)
     }
-    close = difflib.get_close_matches(place[-1], elsewhere, 1, 0.8)
-    return f" Did you mean {elsewhere[close[0]]}?" if close else ""
+    close = nearest(key, elsewhere, 0.8)
+    return f" Did you mean {elsewhere[close]}?" if close else ""
 
 
 def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> list[str]:
@@ -196,7 +195,7 @@ def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> l
 def _field(
     model: type[Settings], place: Sequence[str], document: Any
 ) -> tuple[FieldInfo | None, Any]:
-    """The field at a place (none for what lies in a list, and where nothing is known), its type."""
+    """The field at a place (none within a list, and where nothing is known), and its type."""
     field, annotation, node = None, model, document
     for part in place:
         table = _table(annotation, node)
@@ -210,7 +209,7 @@ def _field(
 
 
 def _table(annotation: Any, node: Any) -> Any:
-    """The table that an annotation stands for; of a choice, the one that the node's kind names."""
+    """The table that an annotation means; of a choice, the one that the node's kind names."""
     tables = _choices(annotation)
     if len(tables) == 1:
         return tables[0]
@@ -234,13 +233,13 @@ def _kinds(table: Any) -> tuple[str, ...]:
 
 def _place(loc: Sequence[Any], document: Any) -> list[str]:
     """Where in the document; pydantic names the kind of a table between the table and its key."""
-    out = []
+    place = []
     for part in loc:
         if isinstance(document, Mapping) and part not in document and part == _kind(document):
             continue
-        out.append(str(part))
+        place.append(str(part))
         document = _within(document, part)
-    return out
+    return place
 
 
 def _kind(node: Any) -> Any:

@@ -1,5 +1,49 @@
-"""Geometry of quad origami: seeds, growth strip by strip, and what the result measures."""
+"""Geometry of quad origami: a seed strip, growth strip by strip, and measures of the result.
 
+After L. H. Dudte, G. P. T. Choi and L. Mahadevan, "An additive algorithm for origami design",
+PNAS 118 (2021), and its supplementary information; sections and equations below are of the latter.
+Lengths are in any unit, angles in radians. No materials, machines or files: see `fab`.
+
+Seeds: a first strip, or only a curve in space (the corollary)
+    `seeds.curve`, `seeds.miura`, `seeds.corrugated`, `QuadMesh.from_rows`; module `seeds`.
+Single vertex, S1 (S13): two old creases, the angle k they leave, one flap angle
+    `growth_direction`, `design_angles`, `flap_angle_of`; module `vertex`.
+Choices of its flap angle, S2
+    `even_flap_angles`, `flat_foldable_flap_angles`, `continuation_flap_angles`,
+    `locked_flap_angles`, `self_intersects`; module `vertex`.
+Flap-angle chain: one flap angle decides all others of a strip, S44 to S49
+    `coupling`, `half_angles`, `transfer_matrices`, `inverse_matrices`, `transfer_flap_angles`,
+    `transfer_derivative`; module `transfer`.
+Closed fronts, S1 B.2: the flap angles for which a ring closes
+    `loop_closings`, `Closings`, `Closing`; module `transfer`.
+Growth front: its angles beta and k, new creases, length bounds (S20, S21)
+    `Front`, `Rays`; module `front`.
+Growth strip by strip, on any side of a patch
+    `grow`, `Strip`, `Stop`, `Growth`, `Status`, `Side`; module `growth`.
+Growth on a part of a front and around a corner, S1 B.1
+    `grow_part`, `grow_corner`, `grow_pentagon`, `CornerStrip`; module `corner`.
+Surface fitting, S4
+    `fit_surface`, and the surfaces of `solver.targets`; module `fitting`.
+Designs of the figures
+    `Miura`, `CurvedFold` and the others of `DESIGNS`; package `solver.designs`.
+Exactness of the result
+    `planarity`, `developability`, `isometry`; module `measure`.
+
+The patch that grows is a `QuadMesh`. Arguments that cannot be used raise `InvalidValue`, or its
+subclass `InvalidState` where no single value is at fault; both are `OrigamiError`. Growth that
+cannot go on is no error: it keeps what it has and gives a `Status` with advice.
+
+>>> growth = Miura(columns=6, rows=4).grow()
+>>> growth.status, growth.mesh.faces_vertices.shape
+(<Status.GROWN: 'grown'>, (24, 4))
+>>> faces = growth.mesh.faces_vertices
+>>> bool(planarity(growth.mesh.vertices_coords, faces).max() < 1e-12)
+True
+>>> bool(developability(growth.mesh.vertices_coords, faces).max() < 1e-12)
+True
+"""
+
+from solver import seeds
 from solver.corner import CornerStrip, grow_corner, grow_part, grow_pentagon
 from solver.designs import (
     DESIGNS,
@@ -15,22 +59,50 @@ from solver.designs import (
     SurfaceFit,
     TiltedRings,
 )
-from solver.errors import InvalidValue, OrigamiError
+from solver.errors import InvalidState, InvalidValue, OrigamiError
 from solver.fitting import fit_surface
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
-from solver.targets.base import Target, ray_hit
-from solver.targets.frame import Frame
-from solver.targets.implicit import ImplicitSurface
-from solver.targets.mesh import MeshSurface
-from solver.targets.parametric import ParametricSurface, TurnedTarget, explicit_surface
+from solver.targets import (
+    Frame,
+    ImplicitSurface,
+    MeshSurface,
+    ParametricSurface,
+    Target,
+    TurnedTarget,
+    explicit_surface,
+    ray_hit,
+)
+from solver.transfer import (
+    Closing,
+    Closings,
+    coupling,
+    half_angles,
+    inverse_matrices,
+    loop_closings,
+    transfer_derivative,
+    transfer_flap_angles,
+    transfer_matrices,
+)
+from solver.vertex import (
+    continuation_flap_angles,
+    design_angles,
+    even_flap_angles,
+    flap_angle_of,
+    flat_foldable_flap_angles,
+    growth_direction,
+    locked_flap_angles,
+    self_intersects,
+)
 
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
     "ClosedCurvedFold",
+    "Closing",
+    "Closings",
     "CornerStrip",
     "CorneredMiura",
     "Crumpled",
@@ -40,6 +112,7 @@ __all__ = [
     "Front",
     "Growth",
     "ImplicitSurface",
+    "InvalidState",
     "InvalidValue",
     "MeshSurface",
     "Miura",
@@ -57,14 +130,30 @@ __all__ = [
     "Target",
     "TiltedRings",
     "TurnedTarget",
+    "continuation_flap_angles",
+    "coupling",
+    "design_angles",
     "developability",
+    "even_flap_angles",
     "explicit_surface",
     "fit_surface",
+    "flap_angle_of",
+    "flat_foldable_flap_angles",
     "grow",
     "grow_corner",
     "grow_part",
     "grow_pentagon",
+    "growth_direction",
+    "half_angles",
+    "inverse_matrices",
     "isometry",
+    "locked_flap_angles",
+    "loop_closings",
     "planarity",
     "ray_hit",
+    "seeds",
+    "self_intersects",
+    "transfer_derivative",
+    "transfer_flap_angles",
+    "transfer_matrices",
 ]

@@ -1,4 +1,4 @@
-"""Which angles on the circle do arcs cover, and which are left free?
+"""Arcs of the circle: their union, and the angles that they leave free.
 
 An arc is a row (start, end), radians in [0, 2 pi), that runs from start counterclockwise to end,
 past 0 where end < start.
@@ -19,6 +19,10 @@ def united(arcs: FloatArray) -> FloatArray:
     """Union of arcs, shape (n, 2), as disjoint arcs in rising order, shape (k, 2).
 
     The whole circle is the one row (0, 2 pi). Exact: only comparisons of the given ends.
+
+    >>> united(np.array([[6.0, 1.0], [0.5, 2.0], [3.0, 4.0]]))
+    array([[3., 4.],
+           [6., 2.]])
     """
     arcs = np.asarray(arcs, float).reshape(-1, 2)
     whole = (arcs[:, 0] == 0) & (arcs[:, 1] >= _TURN)
@@ -44,7 +48,12 @@ def united(arcs: FloatArray) -> FloatArray:
 
 
 def free_arcs(arcs: FloatArray) -> FloatArray:
-    """What a union of arcs leaves of the circle, as disjoint arcs, shape (k, 2)."""
+    """What a union of arcs leaves of the circle, as disjoint arcs, shape (k, 2).
+
+    >>> free_arcs(np.array([[6.0, 1.0], [0.5, 2.0], [3.0, 4.0]]))
+    array([[4., 6.],
+           [2., 3.]])
+    """
     covered = united(arcs)
     if not len(covered):
         return np.array([[0.0, _TURN]])

@@ -1,4 +1,4 @@
-"""How does a patch grow on a part of its front, and around the concave corner which that leaves?
+"""Growth on a part of a front, and around the concave corner that this leaves.
 
      o---L---o           x       the concave corner: three faces, and room for a fourth one
      |   |   |           arms    x q q2 .. L, the left one, and x p p2 .. R, the right one
@@ -29,7 +29,7 @@ from numbers import Integral
 
 import numpy as np
 
-from solver.errors import InvalidValue, require_count, require_within
+from solver.errors import InvalidState, InvalidValue, require_count, require_within
 from solver.front import Front, Rays, boundary_ray, meeting_distances, require_convex
 from solver.growth import (
     Growth,
@@ -90,6 +90,30 @@ def grow_part(
     Raises `InvalidValue` for a closed patch or a curve, and for a part that is not on the front.
     """
     require_count("strips", strips, 1, "Ask for one strip or more.")
+    front, behind = _require_part(mesh, side, part, strips)
+    first, last = part
+    beyond = (
+        int(first > 0 and front[first - 1] >= 0),
+        int(last + 1 < len(front) and front[last + 1] >= 0),
+    )
+    wide = slice(first - beyond[0], last + 1 + beyond[1])
+    x, y = mesh.vertices_coords[front[wide]], mesh.vertices_coords[behind[wide]]
+    require_convex(x, y)
+
+    def choose_part(around: Front, strip: int) -> Strip | Stop:
+        choice = choose(around, strip)
+        if strip == 0 and isinstance(choice, Strip):
+            _require_free_ends(choice, beyond)
+        return choice
+
+    rows, stop = grown_rows(Front.between(x, y), strips, choose_part, progress, beyond)
+    return _growth(mesh.extended(side, rows, first), len(rows), stop)
+
+
+def _require_part(
+    mesh: QuadMesh, side: Side, part: tuple[int, int], strips: int
+) -> tuple[IntArray, IntArray]:
+    """Vertices of a side's front and of the row behind it; refuses parts that cannot grow."""
     front, behind = mesh.front_vertices(side), mesh.previous_vertices(side)
     if not (
         isinstance(part, tuple) and len(part) == 2 and all(isinstance(i, Integral) for i in part)
@@ -97,9 +121,9 @@ def grow_part(
         raise InvalidValue("part", part, "be two whole numbers", "Number the front's vertices.")
     first, last = part
     if mesh.closed or behind is None:
-        what = "a closed patch" if mesh.closed else "a curve"
-        raise InvalidValue(
-            "mesh", what, "be open, with faces behind its front", "Grow a full strip first."
+        what = "a closed patch has no ends" if mesh.closed else "a curve has no faces"
+        raise InvalidState(
+            "mesh", f"{what}, so no strip grows on a part of it", "Grow a full strip first."
         )
     if not 0 <= first < last < len(front) or front[first : last + 1].min() < 0:
         raise InvalidValue(
@@ -115,31 +139,19 @@ def grow_part(
             "have 3 vertices or more where more than one strip is grown",
             "On a part of one quad a second strip has no interior crease.",
         )
-    beyond = (
-        int(first > 0 and front[first - 1] >= 0),
-        int(last + 1 < len(front) and front[last + 1] >= 0),
-    )
-    wide = slice(first - beyond[0], last + 1 + beyond[1])
-    x, y = mesh.vertices_coords[front[wide]], mesh.vertices_coords[behind[wide]]
-    require_convex(x, y)
+    return front, behind
 
-    def choose_part(around: Front, strip: int) -> Strip | Stop:
-        choice = choose(around, strip)
-        if strip == 0 and isinstance(choice, Strip):
-            for end, given, inside in zip(
-                ("left", "right"), choice.boundary_angles, beyond, strict=True
-            ):
-                if given is not None and inside:
-                    raise InvalidValue(
-                        f"boundary angle ({end})",
-                        given,
-                        "be left out where the front goes on",
-                        "The crease at a concave corner is that of a full strip.",
-                    )
-        return choice
 
-    rows, stop = grown_rows(Front.between(x, y), strips, choose_part, progress, beyond)
-    return _growth(mesh.extended(side, rows, first), len(rows), stop)
+def _require_free_ends(strip: Strip, beyond: tuple[int, int]) -> None:
+    """Refuse boundary angles at ends of a part where the front goes on."""
+    for end, given, inside in zip(("left", "right"), strip.boundary_angles, beyond, strict=True):
+        if given is not None and inside:
+            raise InvalidValue(
+                f"boundary angle ({end})",
+                given,
+                "be left out where the front goes on",
+                "The crease at a concave corner is that of a full strip.",
+            )
 
 
 def grow_corner(
@@ -169,7 +181,7 @@ def grow_corner(
         raise InvalidValue(
             "strips",
             strips,
-            f"lie from 1 to {min(height, width)}",
+            f"be from 1 to {min(height, width)}",
             f"The corner's hole of {height} x {width} quads is full then.",
         )
     _Corner.of(mesh, side).require_room(mesh.vertices_coords)
@@ -193,8 +205,8 @@ def grow_pentagon(mesh: QuadMesh, strip: CornerStrip, *, side: Side = Side.TOP) 
     """Grow one strip around the corner at the right end of a side and leave a pentagon there.
 
     All lengths are free below their bounds. The new mesh's grid holds the row on which the strip
-    stood, from the far end of the left arm to that of the right arm, and the new row: `grow` goes
-    on at its top, left and right; other parts of the patch are no longer in the grid.
+    was grown, from the far end of the left arm to that of the right arm, and the new row: `grow`
+    goes on at its top, left and right; other parts of the patch are no longer in the grid.
 
     Raises `InvalidValue` as `grow_corner` does for its first strip.
     """
@@ -284,10 +296,10 @@ def _hole(turned: IntArray) -> tuple[int, int]:
     r, c = turned.shape[0] - height - 1, turned.shape[1] - width - 1
     whole = height > 0 and width > 0 and r > 0 and c > 0 and hole[r + 1 :, c + 1 :].all()
     if not whole or hole[r - 1 : r + 1, c - 1 :].any() or hole[r - 1 :, c - 1 : c + 1].any():
-        raise InvalidValue(
+        raise InvalidState(
             "mesh",
-            "without a concave corner at the right end of this side",
-            "have a rectangular hole in its grid there, with faces along both arms",
+            "the mesh has no concave corner at the right end of this side, which is a rectangular "
+            "hole in its grid with faces along both arms",
             "Make the corner by `grow_part`, or name another side.",
         )
     return height, width

@@ -1,4 +1,4 @@
-"""What goes wrong, and how is it said: value, bound and cure."""
+"""Errors of misuse, in two forms: a value out of its bound, or an input in an unusable state."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from numbers import Integral, Real
 
 __all__ = [
+    "InvalidState",
     "InvalidValue",
     "OrigamiError",
     "require_count",
@@ -26,10 +27,13 @@ class OrigamiError(Exception):
 
 
 class InvalidValue(OrigamiError, ValueError):
-    """An argument lies outside its bound.
+    """An argument is outside its bound.
 
-    The message names the value, the bound and the cure; the parts stay readable
+    The message gives the value, the bound and the cure; the parts stay readable
     as the attributes `name`, `value`, `bound` and `cure`.
+
+    >>> print(InvalidValue("columns", 1, "be at least 2", "Add a column."))
+    columns = 1 is out of bounds: it must be at least 2. Add a column.
     """
 
     def __init__(self, name: str, value: object, bound: str, cure: str) -> None:
@@ -37,6 +41,24 @@ class InvalidValue(OrigamiError, ValueError):
         self.name = name
         self.value = value
         self.bound = bound
+        self.cure = cure
+
+
+class InvalidState(InvalidValue):
+    """An argument cannot be used as it is, and no single value of it is at fault.
+
+    The message is a sentence and the cure: `name` is the argument, `value` the sentence, and
+    `bound` is empty.
+
+    >>> print(InvalidState("front", "the front is open", "Open fronts take any flap angle."))
+    the front is open. Open fronts take any flap angle.
+    """
+
+    def __init__(self, name: str, sentence: str, cure: str) -> None:
+        OrigamiError.__init__(self, f"{sentence}. {cure}")
+        self.name = name
+        self.value = sentence
+        self.bound = ""
         self.cure = cure
 
 
@@ -61,11 +83,11 @@ def require_finite(name: str, value: float) -> None:
 
 
 def require_count(name: str, value: int, least: int, cure: str) -> None:
-    """Raise `InvalidValue` unless the count `value` lies from `least` to a million."""
+    """Raise `InvalidValue` unless the count `value` is from `least` to a million."""
     if not isinstance(value, Integral) or isinstance(value, bool):
         raise InvalidValue(name, repr(value), "be a whole number", cure)
     if not least <= value <= _MOST:
-        raise InvalidValue(name, value, f"lie from {least} to {_MOST}", cure)
+        raise InvalidValue(name, value, f"be from {least} to {_MOST}", cure)
 
 
 def require_length(name: str, value: float) -> None:
@@ -74,7 +96,7 @@ def require_length(name: str, value: float) -> None:
     low, high = _LENGTHS
     if not low <= value <= high:
         cure = "Lengths of a design are relative: the sheet's size is set when files are made."
-        raise InvalidValue(name, value, f"lie from {low:g} to {high:g}", cure)
+        raise InvalidValue(name, value, f"be from {low:g} to {high:g}", cure)
 
 
 def require_within(

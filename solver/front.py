@@ -1,4 +1,4 @@
-"""Where can a strip grow: the front's angles and frames, the rays of new creases, their lengths?
+"""The growth front: its angles and frames, the rays of new creases, and their length bounds.
 
           z0----z1----z2----z3      new row, grown along the rays r
           | r0  | r1  | r2  | r3
@@ -18,16 +18,16 @@ from numbers import Integral
 import numpy as np
 
 from solver.arcs import free_arcs
-from solver.errors import InvalidValue, require_number, require_within
+from solver.errors import InvalidState, InvalidValue, require_number, require_within
 from solver.mesh import QuadMesh, Side
 from solver.transfer import (
     Closings,
-    apply_each,
     half_angles,
-    inverses,
+    inverse_matrices,
     loop_closings,
     loop_miss,
-    prefix_products,
+    transfer_each,
+    transfer_matrices,
 )
 from solver.vectors import (
     SMALLEST,
@@ -50,7 +50,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Rays:
-    """Where the vertices of the new row lie: `x + length * direction`. Arrays are read-only.
+    """The creases of a new strip: its row is `x + length * direction`. Arrays are read-only.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Rays:
     length_bounds : each length must be below it; inf where neighbouring rays do not meet
         (equations S20, S21), shape (m + 1,).
     closing_error : of a loop, by how much the flap angle at its first vertex misses itself after
-        once around, radians; the last quad is planar only where it is rounding.
+        once around, radians; the last quad is planar only where this is rounding.
     """
 
     vertices_coords: FloatArray
@@ -79,7 +79,7 @@ class Rays:
         return full_turn(2 * np.arctan2(*self.half_flaps))
 
     def each(self, lengths: FloatArray | float) -> FloatArray:
-        """`lengths` as one for each vertex, shape (m + 1,), where it may be one for all."""
+        """`lengths`, one for all or one each, as one for each vertex, shape (m + 1,)."""
         given, size = numbers("lengths", lengths), len(self.directions)
         if given.shape not in ((), (size,)):
             raise InvalidValue(
@@ -95,7 +95,7 @@ class Rays:
         return self.vertices_coords + self.each(lengths)[:, None] * self.directions
 
     def between(self, first: int, last: int) -> Rays:
-        """The rays of the vertices first to last - 1; all their flap angles stay."""
+        """The rays of the vertices first to last - 1; the flap angles of all are kept."""
         part = slice(first, last)
         return replace(
             self,
@@ -192,6 +192,13 @@ class Front:
         k : radians, one for all interior vertices or shape (m - 1,); of a loop all vertices are
         interior. This is the corollary of the paper. Raises `InvalidValue` where beta or k leave
         their interval.
+
+        >>> zigzag = np.array([[0.0, 0, 0], [1, 1, 0], [2, 0, 0], [3, 1, 0]])
+        >>> front = Front.on_curve(zigzag, np.radians(200))
+        >>> np.degrees(front.beta).round(9).tolist()
+        [90.0, 90.0]
+        >>> front.rays(np.radians(100)).row(0.5).shape
+        (4, 3)
         """
         x = points("front", vertices_coords)
         x = _around(x) if closed else x
@@ -217,10 +224,9 @@ class Front:
         """The front on `side` of a patch; `k` where the patch is a curve, and only there."""
         front = mesh.front_vertices(side)
         if front.min() < 0:
-            raise InvalidValue(
+            raise InvalidState(
                 "side",
-                side,
-                "be filled from end to end",
+                f"the {side} side is not filled from end to end",
                 "Fill its corner, or grow on a part of it (`solver.corner`).",
             )
         x = mesh.vertices_coords[front]
@@ -235,7 +241,7 @@ class Front:
             raise InvalidValue(
                 "k",
                 k,
-                "be left out where faces lie behind the front",
+                "be left out where there are faces behind the front",
                 "There k follows from developability.",
             )
         y = mesh.vertices_coords[behind]
@@ -278,9 +284,9 @@ class Front:
         )
 
     @cached_property
-    def prefixes(self) -> FloatArray:
-        """Matrices from the first flap angle to each (`prefix_products`), shape (m - 1, 2, 2)."""
-        return prefix_products(self.couplings, self.deltas)
+    def transfer_matrices(self) -> FloatArray:
+        """From the first flap angle to each, see `solver.transfer`, shape (m - 1, 2, 2)."""
+        return transfer_matrices(self.couplings, self.deltas)
 
     @property
     def row_coords(self) -> FloatArray:
@@ -299,7 +305,7 @@ class Front:
         Their vertices are counted from 0 there: begin a strip at front vertex number + 1.
         """
         if not self.closed:
-            raise InvalidValue("front", "open", "be closed", "Open fronts take any flap angle.")
+            raise InvalidState("front", "the front is open", "Open fronts take any flap angle.")
         continuation = None
         if self.back is not None:
             u = self.edges_direction
@@ -348,14 +354,14 @@ class Front:
                 np.column_stack([np.maximum(left, right), base + np.pi]),
             ]
         )
-        matrices = inverses(self.prefixes)
-        images = apply_each(np.concatenate([matrices, matrices]), ends)
+        matrices = inverse_matrices(self.transfer_matrices)
+        images = transfer_each(np.concatenate([matrices, matrices]), ends)
         turned = np.linalg.det(matrices) < 0  # such a map runs backwards round the circle
         images = np.where(np.concatenate([turned, turned])[:, None], images[:, ::-1], images)
         return free_arcs(images)
 
     def away_from_back(self, flap_angles: FloatArray) -> BoolArray:
-        """Vertices whose new crease and old crease lie on different sides of the beta plane.
+        """Vertices whose new crease and old crease are on different sides of the beta plane.
 
         There old and new faces can neither cross nor nest. Shapes as in `self_intersections`.
         """
@@ -380,33 +386,21 @@ class Front:
         flap_angle : radians, at the front vertex number `at` (1 to m - 1).
         boundary_angles : design angles at the first and last vertex, radians in (0, pi), between
             the front's edge and the new boundary edge; None: parallel to the neighbouring crease.
+
+        Raises `InvalidValue` for a vertex without a flap angle, and for angles out of bounds.
         """
-        last = len(self.vertices_coords) - 1
-        if not isinstance(at, Integral) or not 1 <= at <= last - 1:
-            raise InvalidValue(
-                "at", at, f"be an interior vertex, 1 to {last - 1}", "Ends have no flap angle."
-            )
-        require_number("flap_angle", flap_angle)
-        flap_angle = float(flap_angle)
-        if not np.isfinite(flap_angle):
-            raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
+        flap_angle = self._require_flap_angle(flap_angle, at)
         if not (isinstance(boundary_angles, tuple | list) and len(boundary_angles) == 2):
             raise InvalidValue(
                 "boundary_angles", boundary_angles, "be a pair", "Give (None, None) for parallel."
             )
-        s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
-        closing_error = 0.0
-        if self.closed:
-            closing_error, spread = loop_miss(self.couplings, self.closing_delta, s, c)
-            if abs(closing_error) < _ROUNDING:
-                s, c = half_angles(self.couplings, self.deltas + spread, flap_angle, at - 1)
+        s, c, closing_error = self._half_flaps(flap_angle, at)
         cos_flap, sin_flap = c * c - s * s, 2 * s * c
         run = self.run + 2 * self.sin_beta * s * s
         size = np.hypot(self.rise, run)
-        cos1, sin1 = run / size, self.rise / size
+        cos1, sin1 = run / size, self.rise / size  # of theta1 (S13)
         a = -self.edges_direction[:-1]
-        directions = np.empty_like(self.vertices_coords)
-        directions[1:-1] = (
+        directions: FloatArray = (
             cos1[:, None] * a
             + (sin1 * cos_flap)[:, None] * self.inner
             + (sin1 * sin_flap)[:, None] * self.normals
@@ -416,24 +410,65 @@ class Front:
         cos2, sin2 = cos_k * cos1 + sin_k * sin1, sin_k * cos1 - cos_k * sin1
         if self.closed:
             bounds = _loop_bounds(self.edges_length[1:], (cos2, sin2), (cos1, sin1))
-            return Rays(self.row_coords, directions[1:-1], (s, c), bounds, abs(closing_error))
+            return Rays(self.row_coords, directions, (s, c), bounds, abs(closing_error))
+        directions, bounds = self._boundary(directions, (cos1, sin1), (cos2, sin2), boundary_angles)
+        return Rays(self.vertices_coords, directions, (s, c), bounds)
+
+    def _require_flap_angle(self, flap_angle: float, at: int) -> float:
+        """The flap angle as a number; refuses one that is none, and vertices without one."""
+        last = len(self.vertices_coords) - 1
+        if not isinstance(at, Integral) or not 1 <= at <= last - 1:
+            raise InvalidValue(
+                "at", at, f"be an interior vertex, 1 to {last - 1}", "Ends have no flap angle."
+            )
+        require_number("flap_angle", flap_angle)
+        flap_angle = float(flap_angle)
+        if not np.isfinite(flap_angle):
+            raise InvalidValue("flap_angle", flap_angle, "be finite", "Give an angle in radians.")
+        return flap_angle
+
+    def _half_flaps(self, flap_angle: float, at: int) -> tuple[FloatArray, FloatArray, float]:
+        """Sines and cosines of half the flap angles, and by how much a loop misses its first.
+
+        Where a loop closes but for rounding, this is spread over all its vertices.
+        """
+        s, c = half_angles(self.couplings, self.deltas, flap_angle, at - 1)
+        closing_error = 0.0
+        if self.closed:
+            closing_error, spread = loop_miss(self.couplings, self.closing_delta, s, c)
+            if abs(closing_error) < _ROUNDING:
+                s, c = half_angles(self.couplings, self.deltas + spread, flap_angle, at - 1)
+        return s, c, closing_error
+
+    def _boundary(
+        self,
+        inner: FloatArray,
+        theta1: tuple[FloatArray, FloatArray],
+        theta2: tuple[FloatArray, FloatArray],
+        angles: tuple[float | None, float | None],
+    ) -> tuple[FloatArray, FloatArray]:
+        """Directions of all creases of an open front, boundary edges included, and length bounds.
+
+        inner : directions at the interior vertices; theta1, theta2 : cosines and sines of the
+        design angles there.
+        """
+        (cos1, sin1), (cos2, sin2) = theta1, theta2
+        directions = np.concatenate([inner[:1], inner, inner[-1:]])
         # per edge: angle on its left end (towards the next vertex) and on its right end
-        left = np.empty((2, last))
-        right = np.empty((2, last))
+        left = np.empty((2, len(self.edges_length)))
+        right = np.empty_like(left)
         left[:, 1:] = cos2, sin2
         right[:, :-1] = cos1, sin1
-        directions[0], directions[-1] = directions[1], directions[-2]
         left[:, 0] = -cos1[0], sin1[0]
         right[:, -1] = -cos2[-1], sin2[-1]
-        angle_left, angle_right = boundary_angles
+        angle_left, angle_right = angles
         if angle_left is not None:
             edge = self.edges_direction[0]
-            directions[0], left[:, 0] = boundary_ray(edge, directions[1], angle_left, "left")
+            directions[0], left[:, 0] = boundary_ray(edge, inner[0], angle_left, "left")
         if angle_right is not None:
             edge = -self.edges_direction[-1]
-            directions[-1], right[:, -1] = boundary_ray(edge, directions[-2], angle_right, "right")
-        bounds = _length_bounds(self.edges_length, left, right)
-        return Rays(self.vertices_coords, directions, (s, c), bounds)
+            directions[-1], right[:, -1] = boundary_ray(edge, inner[-1], angle_right, "right")
+        return directions, _length_bounds(self.edges_length, left, right)
 
 
 def require_convex(x: FloatArray, y: FloatArray) -> None:
@@ -443,11 +478,10 @@ def require_convex(x: FloatArray, y: FloatArray) -> None:
     reflex = (dot(cross(left, edge), normal) <= 0) | (dot(cross(right, edge), normal) <= 0)
     if reflex.any():
         i = int(np.flatnonzero(reflex)[0])
-        raise InvalidValue(
-            f"face behind front edge {i}",
-            "reflex at the front",
-            "have angles below 180 degrees there",
-            "Grow from convex faces, or on another side.",
+        raise InvalidState(
+            "mesh",
+            f"the face behind front edge {i} is reflex at the front",
+            "Grow from faces whose angles are below 180 degrees there, or on another side.",
         )
 
 
@@ -516,7 +550,7 @@ def meeting_distances(
     left: tuple[FloatArray, FloatArray],
     right: tuple[FloatArray, FloatArray],
 ) -> tuple[FloatArray, FloatArray]:
-    """Where the rays at both ends of each edge meet, along the left and along the right one.
+    """Distances at which the rays from both ends of each edge meet: along the left, the right one.
 
     left, right : cosine and sine of the angles between ray and edge. inf where they do not meet.
     """

@@ -1,4 +1,4 @@
-"""How does a patch grow strip by strip, and why did it stop?"""
+"""Growth of a patch strip by strip, and how it ended."""
 
 from __future__ import annotations
 
@@ -75,7 +75,8 @@ class Growth:
 
     Attributes
     ----------
-    strips : how many strips were grown; advice : empty where the status is GROWN.
+    mesh : the patch with all strips that could be grown.
+    strips : how many were grown; status : how growth ended; advice : empty where it is GROWN.
     coverage : share of a target's domain that the sheet covers; None where there is no target.
     chosen : what the design chose where it was left free, by name.
     """
@@ -108,6 +109,14 @@ def grow(
 
     A seed that cannot grow at all raises `InvalidValue`; a later strip that cannot grow ends growth
     with a status and keeps all strips before it.
+
+    Two strips on a zigzag in the plane, all flap angles and lengths alike:
+
+    >>> x = np.arange(7.0)
+    >>> zigzag = QuadMesh.from_rows(np.stack([x, x % 2, 0 * x], axis=1)[None])
+    >>> growth = grow(zigzag, 2, lambda front, strip: Strip(2.0, 0.5), k=1.1 * np.pi)
+    >>> growth.status, growth.strips, growth.mesh.grid.shape
+    (<Status.GROWN: 'grown'>, 2, (3, 7))
     """
     require_count("strips", strips, 1, "Ask for one strip or more.")
     front = Front.of(mesh, side, k)
@@ -130,8 +139,8 @@ def grown_rows(
 ) -> tuple[FloatArray, Stop | None]:
     """Rows of strips grown one after another, shape (n, C', 3), and why n is below `strips`.
 
-    beyond : how many vertices at the left and right end belong to the first front alone: no crease
-        begins at them.
+    beyond : the number of vertices at the left and right end that belong to the first front alone:
+        no crease begins at them.
     """
     drop, size = beyond[0], len(front.row_coords) - sum(beyond)
     start = front.row_coords[drop : drop + size]

@@ -1,4 +1,4 @@
-"""What is a quad mesh, and which vertices, edges and faces touch?
+"""Quad meshes: patches with a grid of vertices, their edges, neighbours and boundary.
 
 A patch of R rows and C columns is numbered row after row where it was grown at the top alone:
 
@@ -15,7 +15,7 @@ A closed patch (a tube or a ring of cones) has the same numbering; its last colu
 first by one more face in every row, and it has no left and right side.
 
 Growth on other sides gives new vertices and faces the next free numbers; old numbers never change,
-and `grid` keeps which vertex stands at (row, column), or -1 where nothing stands: there the outline
+and `grid` keeps which vertex is at (row, column), or -1 where there is none: there the outline
 has a concave corner (`solver.corner`). A corner filled by a five-sided face leaves the grid of the
 rows around it, which holds only the last part of the patch.
 """
@@ -29,7 +29,8 @@ from functools import cached_property
 
 import numpy as np
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
+from solver.graphs import edge_keys
 from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
 __all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
@@ -103,6 +104,13 @@ class QuadMesh:
 
         Raises `InvalidValue` for other shapes, fewer than 3 columns, or bad coordinates (see
         `solver.vectors.points`).
+
+        >>> y, x = np.mgrid[:2, :3]
+        >>> mesh = QuadMesh.from_rows(np.stack([x, y, 0 * x], axis=-1))
+        >>> mesh.faces_vertices.tolist()
+        [[0, 1, 4, 3], [1, 2, 5, 4]]
+        >>> mesh.front_vertices(Side.LEFT).tolist()
+        [0, 3]
         """
         coords = numbers("rows", rows)
         if coords.ndim != 3 or coords.shape[2] != 3 or coords.shape[0] < 1 or coords.shape[1] < 3:
@@ -141,7 +149,7 @@ class QuadMesh:
     def front_vertices(self, side: Side) -> IntArray:
         """Vertex numbers along `side`, in the direction that has new growth on its left.
 
-        -1 where nothing stands.
+        -1 where there is none. Raises `InvalidValue` for a side on which nothing can grow.
         """
         if self.closed and side in (Side.LEFT, Side.RIGHT):
             raise InvalidValue(
@@ -180,7 +188,7 @@ class QuadMesh:
                 "rows",
                 f"array of shape {rows.shape}",
                 f"have shape (n, {turned.shape[1] - first}, 3)",
-                "Give as many points a row as the side has vertices.",
+                "Give one point a row for each vertex of the side.",
             )
         count, width = rows.shape[:2]
         new = np.full((count, turned.shape[1]), -1)
@@ -206,7 +214,7 @@ class QuadMesh:
         """The patch with the faces `kept` alone, by row and column of the grid, (R - 1, C - 1).
 
         Vertices that no face uses any more are dropped, the others numbered anew in the same order;
-        `grid` is -1 where none stands.
+        `grid` is -1 where there is none.
         """
         corners = [self.grid[:-1, :-1], self.grid[:-1, 1:], self.grid[1:, 1:], self.grid[1:, :-1]]
         faces = np.stack([corner[kept] for corner in corners], axis=-1)
@@ -240,8 +248,14 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     """Unique edges of polygons, in the order in which the faces first name them.
 
     corners : vertices of all faces, one face after another; offsets : where each face begins,
-    shape (nf + 1,). Raises `InvalidValue` where an edge has more than two faces or two faces
-    wind it the same way.
+    shape (nf + 1,). Raises `InvalidState` where an edge has more than two faces or two faces
+    run along it in the same direction.
+
+    >>> edges = edges_of(np.array([0, 1, 2, 2, 1, 3]), np.array([0, 3, 6]))
+    >>> edges.edges_vertices.tolist()
+    [[0, 1], [1, 2], [2, 0], [1, 3], [3, 2]]
+    >>> edges.edges_faces[1].tolist()
+    [0, 1]
     """
     sizes = np.diff(offsets)
     face = np.repeat(np.arange(len(sizes)), sizes)
@@ -249,7 +263,7 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     following[offsets[1:] - 1] = offsets[:-1]
     start, end = corners, corners[following]
     count = int(corners.max()) + 1 if len(corners) else 0
-    key = np.minimum(start, end) * count + np.maximum(start, end)
+    key = edge_keys(np.column_stack([start, end]), count)
     order = np.argsort(key, kind="stable")
     first = np.ones(len(key), bool)
     first[1:] = key[order][1:] != key[order][:-1]
@@ -262,10 +276,9 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     crowded = np.flatnonzero(members > 2)
     if len(crowded):
         h = heads[crowded[0]]
-        raise InvalidValue(
-            f"edge ({start[h]}, {end[h]})",
-            f"{members[crowded[0]]} faces",
-            "belong to at most 2 faces",
+        raise InvalidState(
+            "faces",
+            f"edge ({start[h]}, {end[h]}) belongs to {members[crowded[0]]} faces, not at most 2",
             "Split the sheet where more than two faces meet in an edge.",
         )
     paired = second >= 0
@@ -273,10 +286,9 @@ def edges_of(corners: IntArray, offsets: IntArray) -> Edges:
     same[paired] = start[heads[paired]] == start[second[paired]]
     if same.any():
         h = heads[np.flatnonzero(same)[0]]
-        raise InvalidValue(
-            f"edge ({start[h]}, {end[h]})",
-            "wound the same way by both faces",
-            "be wound in opposite directions",
+        raise InvalidState(
+            "faces",
+            f"both faces of edge ({start[h]}, {end[h]}) run along it in the same direction",
             "Turn one of the two faces around.",
         )
     rank = np.argsort(heads)
@@ -304,16 +316,15 @@ def interior_vertices(faces_vertices: IntArray, count: int) -> BoolArray:
 def boundary_loops(edges: Edges) -> list[IntArray]:
     """Boundary of the mesh as vertex loops, faces on the left; longest loop first.
 
-    Raises `InvalidValue` where the boundary touches itself in a vertex.
+    Raises `InvalidState` where the boundary touches itself in a vertex.
     """
     sides = edges.edges_vertices[edges.edges_faces[:, 1] < 0]
     follow = dict(zip(sides[:, 0].tolist(), sides[:, 1].tolist(), strict=True))
     if len(follow) != len(sides):
         values, counts = np.unique(sides[:, 0], return_counts=True)
-        raise InvalidValue(
-            f"vertex {values[counts > 1][0]}",
-            "in two places of the boundary",
-            "be passed once by the boundary",
+        raise InvalidState(
+            "edges",
+            f"the boundary passes vertex {values[counts > 1][0]} more than once",
             "Split the vertex, or join the faces around it.",
         )
     loops = []

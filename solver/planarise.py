@@ -1,4 +1,4 @@
-"""How do rows near a target become a seed that is exactly planar and developable?"""
+"""Rows near a target made into a seed that is exactly planar and developable."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What does growth start from?"""
+"""Seeds of growth: a curve in space, or a first strip."""
 
 from __future__ import annotations
 

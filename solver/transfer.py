@@ -1,4 +1,4 @@
-"""How does one flap angle decide all others along a strip?
+"""The flap-angle chain of a strip: how one flap angle decides all others.
 
 In half-angle tangents the flap-angle map of a vertex is a Moebius transformation (the half-angle
 form of equations S44 to S49 of the supplementary information): with alpha' the flap angle of the
@@ -12,7 +12,18 @@ so that with (s, c) = (sin, cos)(alpha/2) one vertex costs a swap, a scale and a
     (s, c) -> rotate((C c, s), delta/2)
 
 `half_angles` walks that chain vertex after vertex, which keeps every new quad planar to rounding.
-`prefix_products` gives all flap angles at once as functions of the first: for searching.
+`transfer_matrices` gives all flap angles at once as functions of the first: for searching. Three
+vertices with C = 1, at which alpha' = pi - alpha:
+
+>>> couplings, deltas = np.ones(3), np.array([0.3, -0.1])
+>>> s, c = half_angles(couplings, deltas, 1.0)
+>>> (2 * np.arctan2(s, c)).round(4).tolist()
+[1.0, 2.4416, 0.6]
+>>> matrices = transfer_matrices(couplings, deltas)
+>>> transfer_flap_angles(matrices, np.array([1.0, 2.0])).round(4).tolist()
+[[1.0, 2.0], [2.4416, 1.4416], [0.6, 1.6]]
+>>> transfer_derivative(matrices, np.array([1.0]))[:, 0].round(4).tolist()
+[1.0, -1.0, 1.0]
 """
 
 from __future__ import annotations
@@ -28,28 +39,28 @@ from solver.vectors import FloatArray, full_turn
 __all__ = [
     "Closing",
     "Closings",
-    "apply_each",
     "coupling",
-    "derivative",
     "half_angles",
-    "inverses",
+    "inverse_matrices",
     "loop_closings",
     "loop_miss",
-    "prefix_products",
-    "transform",
+    "transfer_derivative",
+    "transfer_each",
+    "transfer_flap_angles",
+    "transfer_matrices",
 ]
 
 # A chain is normalised before the logarithm of its length can have changed by more than this.
 _LOG_RANGE = 300.0
 
-# A loop matrix this near to a multiple of the identity, for each vertex, is one: all angles close.
+# A loop matrix this near to a multiple of the identity, times its vertices, is one: all close.
 _SAME = 1e-12
 # Two roots nearer to each other than this are one: rounding alone parts a double root that far.
 _DOUBLE = 1e-6
 
 
 def coupling(beta: FloatArray, k: FloatArray) -> FloatArray:
-    """The constant C of each vertex; beta, k in radians, shape (n,)."""
+    """The constant C of each vertex, shape (n,); beta, k : radians, 0 < beta < k < 2 pi - beta."""
     out: FloatArray = np.sin((k - beta) / 2) / np.sin((k + beta) / 2)
     return out
 
@@ -108,7 +119,7 @@ def _walk(
     return np.array([sines, cosines])
 
 
-def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
+def transfer_matrices(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
     """Matrices M[i], shape (n, 2, 2), that take (s, c) of vertex 0 to vertex i up to a factor.
 
     Each product is normalised to a largest entry of one; M[0] is the identity.
@@ -127,17 +138,17 @@ def prefix_products(couplings: FloatArray, deltas: FloatArray) -> FloatArray:
     return out
 
 
-def transform(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
-    """Images in [0, 2 pi) of `flap_angles` (shape (q,)) under `matrices` (shape (n, 2, 2)).
+def transfer_flap_angles(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """Flap angles in [0, 2 pi) at every vertex for q candidates of the first, shape (n, q).
 
-    Returns shape (n, q).
+    matrices : of `transfer_matrices`, shape (n, 2, 2); flap_angles : radians, shape (q,).
     """
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
 
 
-def inverses(matrices: FloatArray) -> FloatArray:
+def inverse_matrices(matrices: FloatArray) -> FloatArray:
     """Matrices of the inverse maps, up to a factor (the adjugates), shape (n, 2, 2).
 
     They take a flap angle at any location of a strip back to the first one (S1 A.4).
@@ -148,15 +159,15 @@ def inverses(matrices: FloatArray) -> FloatArray:
     return out
 
 
-def apply_each(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+def transfer_each(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
     """Images of row i of `flap_angles`, shape (n, q), under matrix i of (n, 2, 2); shape (n, q)."""
     start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)], axis=1)
     image = matrices @ start
     return full_turn(2 * np.arctan2(image[:, 0], image[:, 1]))
 
 
-def derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
-    """Exact derivatives of `transform` with respect to the first flap angle, shape (n, q).
+def transfer_derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """Exact derivatives of `transfer_flap_angles` by the first flap angle, shape (n, q).
 
     A Moebius map of half-angles turns by its determinant over the squared length of the image.
     """
@@ -168,7 +179,7 @@ def derivative(matrices: FloatArray, flap_angles: FloatArray) -> FloatArray:
 
 
 class Closing(StrEnum):
-    """How a closed front can close again, told by its loop matrix alone."""
+    """How a closed front can close again; its loop matrix alone decides."""
 
     PAIR = "pair"
     CONTINUATION = "continuation"
@@ -186,7 +197,7 @@ class Closings:
     flap_angles : at vertex 0, radians in [0, 2 pi), the continuation first where it is known and
         in rising order elsewhere; empty for FAMILY and NONE.
     start : for each of them the vertex to begin the chain at, and the flap angle there: vertex 0,
-        or the last one where the way forwards spreads errors (backwards it contracts them).
+        or the last one where walking forwards spreads errors (backwards it contracts them).
     separation : angle between the two roots on the circle, radians (0 for a double root).
     """
 
@@ -207,6 +218,12 @@ def loop_closings(
     continuation : flap angle at vertex 0 that continues the faces behind the front: always a fixed
         point, and the other one follows from it without cancellation. None where the front is a
         curve: then the quadratic is solved.
+
+    An odd loop closes for two flap angles:
+
+    >>> closings = loop_closings(np.ones(3), np.zeros(3))
+    >>> closings.case, np.degrees(closings.flap_angles).round(9).tolist()
+    (<Closing.PAIR: 'pair'>, [90.0, 270.0])
     """
     loop = _loop_matrix(couplings, deltas)
     size = float(np.abs(loop).max())
@@ -242,16 +259,16 @@ def loop_closings(
     return Closings(case, angles, tuple(starts), separation)
 
 
-def _after(flap_angle: float, coupling_there: float, delta: float) -> float:
+def _after(flap_angle: float, constant: float, delta: float) -> float:
     """Flap angle of the vertex after one with `flap_angle`: one step forwards, radians."""
     half = flap_angle / 2
-    return 2 * math.atan2(coupling_there * math.cos(half), math.sin(half)) + delta
+    return 2 * math.atan2(constant * math.cos(half), math.sin(half)) + delta
 
 
-def _before(flap_angle: float, coupling_there: float, delta: float) -> float:
+def _before(flap_angle: float, constant: float, delta: float) -> float:
     """Flap angle of the vertex before one with `flap_angle`: one step backwards, radians."""
     back = (flap_angle - delta) / 2
-    return 2 * math.atan2(coupling_there * math.cos(back), math.sin(back))
+    return 2 * math.atan2(constant * math.cos(back), math.sin(back))
 
 
 def loop_miss(
@@ -270,7 +287,7 @@ def loop_miss(
     reached = float(2 * np.arctan2(s[-1], c[-1]))
     first = float(2 * np.arctan2(s[0], c[0]))
     miss = math.remainder(_after(reached, couplings[-1], closing_delta) - first, 2 * math.pi)
-    # slope of each step, and of the way from behind each step to the end of the loop
+    # slope of each step, and of all steps from behind each one to the end of the loop
     slopes = -couplings / ((couplings * c) ** 2 + s * s)
     with np.errstate(over="ignore"):  # changes too small for floats make up for the miss there
         ahead = np.cumprod(slopes[:0:-1])[::-1]

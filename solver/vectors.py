@@ -1,4 +1,4 @@
-"""How long, which way, at what angle: arrays of vectors in space, shape (..., 3)."""
+"""Lengths, directions and angles of arrays of vectors in space, shape (..., 3)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 
 __all__ = [
     "LARGEST",
@@ -46,7 +46,7 @@ def numbers(name: str, value: object) -> FloatArray:
         raise InvalidValue(
             name,
             f"{type(value).__name__} ({array.dtype})",
-            "hold real numbers, as many in every row",
+            "hold real numbers, equally many in every row",
             "Give an array, or lists of one length.",
         )
     return np.asarray(array, np.float64)
@@ -63,10 +63,9 @@ def points(name: str, value: object) -> FloatArray:
             name, f"array of shape {array.shape}", "have shape (n, 3)", "Give x, y, z of each."
         )
     if not np.abs(array).max(initial=0.0) <= LARGEST:
-        raise InvalidValue(
+        raise InvalidState(
             name,
-            "an array with NaN, infinity or too large numbers",
-            f"hold coordinates from {-LARGEST:g} to {LARGEST:g}",
+            f"{name}: some coordinates are NaN or not from {-LARGEST:g} to {LARGEST:g}",
             "Check where they come from, or scale them.",
         )
     out = array.view()
@@ -105,7 +104,11 @@ def unit(u: FloatArray) -> FloatArray:
 
 
 def angle_between(u: FloatArray, v: FloatArray) -> FloatArray:
-    """Angle in [0, pi] by atan2(|u x v|, u.v): accurate near 0 and pi, where arccos is not."""
+    """Angle in [0, pi] by atan2(|u x v|, u.v): accurate near 0 and pi, where arccos is not.
+
+    >>> float(angle_between(np.array([1.0, 0.0, 0.0]), np.array([1.0, 1e-9, 0.0])))
+    1e-09
+    """
     out: FloatArray = np.arctan2(norm(cross(u, v)), dot(u, v))
     return out
 
@@ -117,5 +120,11 @@ def full_turn(angle: FloatArray) -> FloatArray:
 
 
 def scattered(places: IntArray, vectors: FloatArray, count: int) -> FloatArray:
-    """Sums of the vectors, shape (n, k), that go to each of `count` places, shape (count, k)."""
+    """Sums of the vectors, shape (n, k), that go to each of `count` places, shape (count, k).
+
+    >>> scattered(np.array([0, 2, 0]), np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]), 3)
+    array([[6., 8.],
+           [0., 0.],
+           [3., 4.]])
+    """
     return np.stack([np.bincount(places, column, count) for column in vectors.T], axis=1)

@@ -1,4 +1,4 @@
-"""Which way does the fourth crease of a degree-4 vertex go, and what flap angle is that?
+"""The single degree-4 vertex: direction and flap angle of its fourth crease.
 
 At a front vertex the two old creases point along the unit vectors `a` (towards the previous front
 vertex) and `b` (towards the next one), at the angle beta; the two old faces leave the angle
@@ -23,17 +23,17 @@ from solver.vectors import BoolArray, FloatArray, cross, dot, full_turn, unit
 
 __all__ = [
     "continuation_flap_angles",
+    "design_angles",
     "even_flap_angles",
     "flap_angle_of",
     "flat_foldable_flap_angles",
     "growth_direction",
     "locked_flap_angles",
     "require_foldable",
-    "sector_angles",
     "self_intersects",
 ]
 
-# A vertex has room to fold where its angles lie this far inside their bounds, radians.
+# A vertex has room to fold where its angles are this far inside their bounds, radians.
 _ROOM = 2e-12
 
 
@@ -41,7 +41,7 @@ def require_foldable(beta: FloatArray, k: FloatArray) -> None:
     """Raise `InvalidValue` for the first vertex without 0 < beta < pi, beta < k < 2 pi - beta.
 
     beta, k : radians, shape (n,). The ends are refused with a margin of 2e-12: nearer to them the
-    angles of rounded points tell nothing.
+    angles of rounded points are noise.
     """
     for i in np.flatnonzero(~((beta > _ROOM) & (beta < np.pi - _ROOM))):
         require_within(
@@ -64,7 +64,7 @@ def require_foldable(beta: FloatArray, k: FloatArray) -> None:
         )
 
 
-def sector_angles(
+def design_angles(
     flap_angle: FloatArray, beta: FloatArray, k: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Design angles (theta1, theta2) of the new faces, equation (S13).
@@ -77,15 +77,18 @@ def sector_angles(
     Returns
     -------
     theta1 in (0, pi) between a and the new crease, theta2 = k - theta1 between it and b.
+
+    >>> theta1, theta2 = design_angles(np.pi / 3, np.pi / 2, np.pi)
+    >>> np.degrees([theta1, theta2]).round(3).tolist()
+    [116.565, 63.435]
     """
     alpha, b, s = np.broadcast_arrays(
         np.asarray(flap_angle, float), np.asarray(beta, float), np.asarray(k, float)
     )
     require_foldable(b.ravel(), s.ravel())
     if not np.isfinite(alpha).all():
-        raise InvalidValue(
-            "flap_angle", "NaN or infinity", "be finite", "Give an angle in radians."
-        )
+        wrong = alpha[~np.isfinite(alpha)][0]
+        raise InvalidValue("flap_angle", wrong, "be finite", "Give an angle in radians.")
     # cos beta - cos k and sin k - sin beta cos alpha without cancellation where k nears beta
     rise = 2 * np.sin((s + b) / 2) * np.sin((s - b) / 2)
     run = 2 * np.cos((s + b) / 2) * np.sin((s - b) / 2) + 2 * np.sin(b) * np.sin(alpha / 2) ** 2
@@ -100,10 +103,19 @@ def growth_direction(
 
     a, b : unit directions of the old creases, shape (n, 3); flap_angle, k : radians, shape (n,).
     Raises `InvalidValue` where beta or k leave their interval.
+
+    Two creases at a right angle that leave k = pi to a flap which stands upright on them:
+
+    >>> a, b = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
+    >>> upright = growth_direction(a, b, np.array([np.pi / 2]), np.array([np.pi]))
+    >>> np.allclose(upright, [[0.0, 0.0, 1.0]], atol=1e-15)
+    True
+    >>> flap_angle_of(a, b, upright).round(6)
+    array([1.570796])
     """
     ab = cross(a, b)
     beta = np.arctan2(np.sqrt(dot(ab, ab)), dot(a, b))
-    theta1, _ = sector_angles(flap_angle, beta, k)
+    theta1, _ = design_angles(flap_angle, beta, k)
     n = unit(ab)
     p = cross(n, a)
     return (
@@ -114,7 +126,7 @@ def growth_direction(
 
 
 def flap_angle_of(a: FloatArray, b: FloatArray, direction: FloatArray) -> FloatArray:
-    """Flap angle in [0, 2 pi) of the face between `a` and `direction`: the inverse question.
+    """Flap angle in [0, 2 pi) of the face between `a` and `direction`, inverse of (S13).
 
     a, b, direction : shape (n, 3), `a` and `b` not parallel; lengths do not matter.
     """
@@ -126,8 +138,14 @@ def flap_angle_of(a: FloatArray, b: FloatArray, direction: FloatArray) -> FloatA
 def even_flap_angles(beta: FloatArray, k: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Flap angles that give the two new sectors equal angles k/2 (S2), on both sides.
 
-    The new crease then stands over the bisector of the front: cos alpha = tan(beta/2) / tan(k/2).
-    Radians, [0, 2 pi); the two are mirror images about the beta plane.
+    The new crease is then over the bisector of the front: cos alpha = tan(beta/2) / tan(k/2).
+    beta, k : radians, shape (n,). Radians in [0, 2 pi); the two are mirror images about the beta
+    plane.
+
+    >>> first, second = even_flap_angles(np.array([1.2]), np.array([3.0]))
+    >>> theta1, theta2 = design_angles(first, np.array([1.2]), np.array([3.0]))
+    >>> np.allclose([theta1, theta2], 1.5)
+    True
     """
     over = np.arccos(np.tan(beta / 2) / np.tan(k / 2))
     return over, 2 * np.pi - over
@@ -158,7 +176,8 @@ def continuation_flap_angles(
     """Flap angles of the crease that continues c straight on, and of its mirror image (S2).
 
     The continuation, r = -c, leaves both front creases unfolded; its reflection about the beta
-    plane folds them alike. Both always exist. Radians in [0, 2 pi); shapes as above.
+    plane folds them alike. Both always exist. a, b, c : unit directions of the old creases, shape
+    (n, 3). Radians in [0, 2 pi), shape (n,).
     """
     straight = flap_angle_of(a, b, -c)
     return straight, full_turn(2 * np.pi - straight)
@@ -181,11 +200,11 @@ def locked_flap_angles(
 
 
 def self_intersects(flap_angle: FloatArray, left: FloatArray, right: FloatArray) -> BoolArray:
-    """Whether the new faces cross the old ones at the vertex (S2 B), for locked angles given.
+    """Whether the new faces cross the old ones at the vertex (S2 B), shape (n,).
 
     New creases on the other side of the beta plane than the old crease c never cross. On c's side
     the two pairs of faces are nested, and free, between the two locked flap angles; elsewhere they
-    cross. Shapes broadcast.
+    cross. All in radians; left, right : of `locked_flap_angles`. Shapes broadcast.
     """
     alpha = full_turn(flap_angle)
     same_side = (alpha < np.pi) == (left < np.pi)

@@ -1,4 +1,4 @@
-"""Whatever a person writes is taken or refused in the project's own words, never by a crash."""
+"""Whatever a user writes is taken or refused in the project's own words, never by a crash."""
 
 import copy
 import re
@@ -90,12 +90,12 @@ def test_every_fault_is_named_with_its_bound_and_cure():
     with pytest.raises(InvalidJob) as caught:
         checked(Machine, wrong, "mine.toml", "Begin anew.")
     assert str(caught.value).splitlines() == [
-        "mine.toml: margin_mm = '5' is refused: must be a number, at least 0 and at most 500. "
-        "Correct it (of the bed, on all sides, kept free).",
-        "kerf_mm = -1 is refused: must be at least 0 and at most 10. Correct it (width of material "
-        "that a cut takes away).",
-        "profile = 'dashed' is refused: must be 'pre_dashed' or 'whole_lines'. Correct it (creases "
-        "as dashes, or as whole lines for software that perforates by itself).",
+        "mine.toml: margin_mm = '5' is out of bounds: it must be a number, at least 0 and at most "
+        "500. Correct it (of the bed, on all sides, kept free).",
+        "kerf_mm = -1 is out of bounds: it must be at least 0 and at most 10. Correct it (width of "
+        "material that a cut takes away).",
+        "profile = 'dashed' is out of bounds: it must be 'pre_dashed' or 'whole_lines'. Correct it "
+        "(creases as dashes, or as whole lines for software that perforates by itself).",
         "bed is not a known key. Did you mean bed_mm? Known here: bed_mm, colours, description, "
         "dxf_version, kerf_mm, kind, margin_mm, profile, speeds, starting_points.",
     ]

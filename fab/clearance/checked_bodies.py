@@ -47,10 +47,8 @@ def checked_bodies(sheet: ThickSheet, solids: list[Manifold], chosen: IntArray) 
     place = np.full(sheet.pattern.face_count, -1)
     panels = np.flatnonzero((creases < 0) & (faces >= 0))
     place[faces[panels]] = panels
-    first, second = sheet.pattern.edges_faces.T
-    joined = (second >= 0) & (first != second) & (sheet.pattern.edges_assignment != "C")
     mates = place[sheet.pattern.edges_faces]
-    edges = np.flatnonzero(joined & (mates >= 0).all(axis=1))
+    edges = np.flatnonzero(sheet.pattern.edges_joining & (mates >= 0).all(axis=1))
     every = len(chosen) == len(sheet.bodies)
     bodies = sheet.bodies if every else sheet.bodies.chosen(chosen)
     chosen_solids = [solids[body] for body in chosen.tolist()]

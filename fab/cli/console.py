@@ -1,4 +1,4 @@
-"""How does a run speak with the person at a terminal: errors, interrupts, findings, progress?"""
+"""The terminal: errors, interrupts, findings and progress of a run, as the user sees them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def answers() -> Iterator[Interrupts]:
     except BaseException as error:
         # libraries turn an interrupt during their import into errors of their own
         if interrupts.came or isinstance(error, KeyboardInterrupt):
-            say("quadfold: interrupted; no half-written file was left.", error=True)
+            say("quadfold: interrupted; no partial file was left.", error=True)
             sys.exit(130)
         if isinstance(error, OrigamiError):
             say(f"quadfold: {error}", error=True)
@@ -61,7 +61,7 @@ class Interrupts:
 
     def _note(self, _: int, frame: FrameType | None) -> None:
         self.came = True
-        if not _loads(frame):
+        if not _importing(frame):
             raise KeyboardInterrupt
 
     def check(self) -> None:
@@ -70,7 +70,7 @@ class Interrupts:
             raise KeyboardInterrupt
 
 
-def _loads(frame: FrameType | None) -> bool:
+def _importing(frame: FrameType | None) -> bool:
     """Whether a library is being imported, which an exception would leave half done."""
     while frame is not None:
         if frame.f_code.co_filename.startswith("<frozen importlib"):
@@ -82,7 +82,7 @@ def _loads(frame: FrameType | None) -> bool:
 def say(text: str, *, error: bool = False) -> None:
     """Print a line; a closed pipe or full disk behind stdout does not change what was made.
 
-    What the terminal cannot show, such as bytes of a file name that are no text, is escaped.
+    What the terminal cannot show, such as bytes of a file name that are not text, is escaped.
     """
     stream = sys.stderr if error else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
@@ -91,7 +91,7 @@ def say(text: str, *, error: bool = False) -> None:
 
 
 def tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; all of them stand in the report."""
+    """One line for each code of finding; the report lists all of them."""
     for code in dict.fromkeys(finding.code for finding in findings):
         alike = [finding for finding in findings if finding.code == code]
         more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
@@ -99,7 +99,7 @@ def tell(findings: Sequence[Finding]) -> None:
 
 
 def tell_left(left: Sequence[Path]) -> None:
-    """One line for files of the same name that were there before and were not made anew."""
+    """One line for files of the same name that an earlier run left and this one did not make."""
     if left:
         more = f" and {len(left) - 1} more of this name are" if len(left) > 1 else " is"
         say(f"note: {left[0]}{more} from an earlier run", error=True)

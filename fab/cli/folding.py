@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from fab.cli.console import answers, progress_bar, say, tell
-from fab.cli.options import (
-    OUT,
-    formats_of,
-    write_made,
-)
+from fab.cli.console import answers
+from fab.cli.delivery import deliver
+from fab.cli.inputs import allowed_job
+from fab.cli.options import ALLOW_CODE, FILE, OUT, dry_run, formats_of, only
 from fab.errors import Finding
 
 if TYPE_CHECKING:
     from fab.folding.fold_settings import FoldSettings
+    from fab.jobs.job import Job
+    from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
+    from fab.progress import Progress
 
 __all__ = ["simulate"]
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@FILE
 @OUT
 @click.option("--states", default=None, type=int, help="Steps from flat to folded (default: 10).")
 @click.option(
@@ -35,22 +35,31 @@ __all__ = ["simulate"]
     show_default=True,
     help="From rest to rest, or masses that move (slow; to compare).",
 )
-@click.option("--only", default=None, metavar="FORMATS", help="Such as fold,gif (default: all).")
-@click.option("--dry-run", is_flag=True, help="Fold and judge, write nothing.")
+@only("Such as fold,gif (default: all).")
+@dry_run("Fold and judge, write nothing.")
+@ALLOW_CODE
 def simulate(
-    file: Path, out: Path, states: int | None, solver: str, only: str | None, dry_run: bool
+    file: Path,
+    out: Path,
+    states: int | None,
+    solver: str,
+    only: str | None,
+    dry_run: bool,
+    allow_code: bool,
 ) -> None:
     """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
     with answers() as interrupts:
         from fab.folding.folding_files import SimulationFormat, simulate
         from fab.folding.simulation import Solver
-        from fab.outputs import require_folder
 
         formats = formats_of(only, SimulationFormat) or list(SimulationFormat)
-        require_folder(out)
-        with progress_bar(interrupts) as progress:
-            pattern, name, settings, findings = _to_simulate(file, states, progress)
-            made = simulate(
+        job = _job_of(file, states, allow_code)
+        name = file.stem if job is None else job.name
+        settings = _settings(job, states)
+
+        def make(progress: Progress) -> Made:
+            pattern, findings = _pattern(file, job, progress)
+            return simulate(
                 pattern,
                 name,
                 settings,
@@ -59,38 +68,47 @@ def simulate(
                 findings=findings,
                 progress=progress,
             )
-        interrupts.check()
-        write_made(made, out, dry_run)
-        verdict = made.report["verdict"]
-        far = verdict["rmsd_rel"]
-        say(
-            f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
-            + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
-            + f"creases by at most {verdict['angle_error_max_deg']:.1e} degrees, strain "
-            f"{verdict['strain_max']:.1e} (on the way {verdict['peak_strain']:.1e})"
-        )
-        tell(made.findings)
-    sys.exit(0 if made.within_tolerance else 1)
+
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)
 
 
-def _to_simulate(
-    file: Path, states: int | None, progress: Callable[[str, int, int], None]
-) -> tuple[CreasePattern, str, FoldSettings, Sequence[Finding]]:
-    """The pattern of a FOLD file or a job, its name, and how it is to be folded."""
+def _job_of(file: Path, states: int | None, allow_code: bool) -> Job | None:
+    """The job in a TOML file; None for files of crease patterns."""
+    if file.suffix.lower() != ".toml":
+        return None
+    changes = [f"simulation.steps={states}"] if states is not None else []
+    return allowed_job(file, changes, allow_code)
+
+
+def _settings(job: Job | None, states: int | None) -> FoldSettings:
     from fab.folding.fold_settings import FoldSettings
-
-    given = {} if states is None else {"steps": states}
-    if file.suffix.lower() == ".toml":
-        from fab.jobs.grow import grown_pattern
-        from fab.jobs.job import load_job
-
-        changes = [f"simulation.steps={states}"] if states is not None else []
-        job = load_job(file, changes)
-        pattern, findings = grown_pattern(job, progress)
-        return pattern, job.name, job.simulation or FoldSettings(), findings
-    from fab.formats.fold_reader import read_pattern
     from fab.settings import checked
 
-    settings = checked(FoldSettings, given, "--states", "Leave it out for 10.")
-    pattern, found = read_pattern(file)
-    return pattern, file.stem, settings, found
+    if job is not None:
+        return job.simulation or FoldSettings()
+    given = {} if states is None else {"steps": states}
+    return checked(FoldSettings, given, "--states", "Leave it out for 10.")
+
+
+def _pattern(
+    file: Path, job: Job | None, progress: Progress
+) -> tuple[CreasePattern, Sequence[Finding]]:
+    """The crease pattern to fold: grown for a job, or read."""
+    if job is not None:
+        from fab.jobs.grow import grown_pattern
+
+        return grown_pattern(job, progress)
+    from fab.formats.fold_reader import read_pattern
+
+    return read_pattern(file)
+
+
+def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+    verdict = report["verdict"]
+    far = verdict["rmsd_rel"]
+    yield (
+        f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
+        + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
+        + f"creases by at most {verdict['angle_error_max_deg']:.1e} degrees, strain "
+        f"{verdict['strain_max']:.1e} (on the way {verdict['peak_strain']:.1e})"
+    )

@@ -9,18 +9,15 @@ from pathlib import Path
 import click
 
 from fab.cli.console import answers, say, tell
-from fab.cli.options import (
-    STRICT,
-    write_made,
-)
-from fab.errors import InvalidFile, InvalidJob, Severity
-from solver.errors import InvalidValue
+from fab.cli.delivery import write_made
+from fab.cli.options import FILE, STRICT, dry_run
+from fab.errors import InvalidFile, InvalidJob
 
 __all__ = ["check", "convert"]
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@FILE
 @click.option(
     "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
 )
@@ -29,41 +26,31 @@ def check(file: Path, tolerance: float, strict: bool) -> None:
     """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
     with answers():
         from fab.formats.fold_reader import read_pattern
-        from fab.pattern.inspection import (
-            inspect_accuracy,
-            inspect_angles,
-            inspect_crossings,
-            measure_pattern,
-        )
-        from fab.pattern.self_intersection import crossing_faces
+        from fab.jobs.pattern_check import check_pattern
+        from solver import InvalidValue
 
         if not math.isfinite(tolerance):
             raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
         pattern, repairs = read_pattern(file, strict=strict)
         tell(repairs)
-        if pattern.folded_coords is None:
+        try:
+            found = check_pattern(pattern, tolerance)
+        except InvalidValue as error:
+            raise InvalidFile(f"{file}: {error}") from error
+        if found is None:
             raise InvalidFile(
                 f"{file}: no folded frame to measure. Add a frame of class foldedForm."
             )
-        accuracy = measure_pattern(pattern)
-        try:
-            angles = inspect_angles(pattern)
-        except InvalidValue as error:
-            raise InvalidFile(f"{file}: {error}") from error
-        crossings = crossing_faces(
-            pattern.folded_coords, pattern.faces_vertices, pattern.faces_offsets
-        )
         counts = pattern.counts()
         say(f"vertices            {len(pattern.vertices_coords)}")
         say(f"faces               {pattern.face_count}")
         say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
-        say(f"planarity           {accuracy.planarity_max:.3e}")
-        say(f"developability      {accuracy.developability_max_rad:.3e} rad")
-        say(f"isometry            {accuracy.isometry_max_rel:.3e}")
-        say(f"crossings           {len(crossings)}")
-        findings = inspect_accuracy(accuracy, tolerance) + angles + inspect_crossings(crossings)
-        tell(findings)
-    sys.exit(1 if any(f.severity == Severity.ERROR for f in findings) else 0)
+        say(f"planarity           {found.accuracy.planarity_max:.3e}")
+        say(f"developability      {found.accuracy.developability_max_rad:.3e} rad")
+        say(f"isometry            {found.accuracy.isometry_max_rel:.3e}")
+        say(f"crossings           {found.crossings}")
+        tell(found.findings)
+        sys.exit(0 if found.within_tolerance else 1)
 
 
 @click.command()
@@ -75,7 +62,7 @@ def check(file: Path, tolerance: float, strict: bool) -> None:
     help="File to write (default: the last of the files).",
 )
 @STRICT
-@click.option("--dry-run", is_flag=True, help="Read and convert everything, write nothing.")
+@dry_run("Read and convert everything, write nothing.")
 def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bool) -> None:
     """Convert between FOLD files and pairs of OBJ files (flat and folded), or to SVG.
 
@@ -87,7 +74,7 @@ def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bo
 
     quadfold convert crane_flat.obj crane.fold   reads crane_fold.obj beside it as well
 
-    quadfold convert one.obj two.obj --out crane.fold   a flat and a folded mesh
+    quadfold convert first.obj second.obj --out crane.fold   a flat and a folded mesh
     """
     with answers():
         from fab.formats.conversion import convert, read_any
@@ -97,6 +84,6 @@ def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bo
         sources = files if out is not None else files[:-1]
         require_folder(target.parent)
         made = convert(read_any(sources, strict=strict), target)
-        write_made(made, target.parent, dry_run)
+        write_made(made, target.parent, dry_run=dry_run)
         tell(made.findings)
-    sys.exit(0 if made.within_tolerance else 1)
+        sys.exit(0 if made.within_tolerance else 1)

@@ -1,21 +1,19 @@
-"""Options that several commands share, and what they do with files."""
+"""Options and arguments that several commands share."""
 
 from __future__ import annotations
 
-import difflib
-from enum import StrEnum
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import click
 
-from fab.cli.console import say
-from fab.errors import InvalidJob
-
-if TYPE_CHECKING:
-    from fab.outputs import Made
+from fab.outputs import Kind, formats_among
 
 __all__ = [
+    "ALLOW_CODE",
+    "DRY_RUN",
+    "FILE",
     "MACHINE",
     "MATERIAL",
     "ONLY_SHEETS",
@@ -24,65 +22,69 @@ __all__ = [
     "STRICT",
     "SUGGEST",
     "WIDTH",
+    "changes_of",
+    "dry_run",
     "formats_of",
-    "write_made",
+    "only",
 ]
 
+Command = TypeVar("Command", bound=Callable[..., Any])
 
+
+class Option(Protocol):
+    """What adds an option to a command."""
+
+    def __call__(self, command: Command, /) -> Command: ...
+
+
+_NAMED = "A shipped one, or a .toml file of your own."
+
+
+def only(text: str) -> Option:
+    """The option --only, with its help."""
+    return click.option("--only", default=None, metavar="FORMATS", help=text)
+
+
+def dry_run(text: str) -> Option:
+    """The option --dry-run, with its help."""
+    return click.option("--dry-run", is_flag=True, help=text)
+
+
+def changes_of(text: str) -> Option:
+    """The option --set, with its help."""
+    return click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help=text)
+
+
+FILE = click.argument("file", type=click.Path(path_type=Path))
 OUT = click.option(
     "--out",
     default=".",
     type=click.Path(path_type=Path),
     help="Folder to write into (default: here).",
 )
-MATERIAL = click.option(
-    "--material", required=True, metavar="NAME", help="A shipped one, or a .toml file of your own."
-)
-MACHINE = click.option(
-    "--machine", required=True, metavar="NAME", help="A shipped one, or a .toml file of your own."
-)
-
-
-ONLY_SHEETS = click.option(
-    "--only", default=None, metavar="FORMATS", help="Such as dxf,pdf (default: dxf,svg,pdf)."
-)
+MATERIAL = click.option("--material", required=True, metavar="NAME", help=_NAMED)
+MACHINE = click.option("--machine", required=True, metavar="NAME", help=_NAMED)
+ONLY_SHEETS = only("Such as dxf,pdf (default: dxf,svg,pdf).")
 WIDTH = click.option("--width-mm", default=None, type=float, help="Longer side of the flat sheet.")
 SCALE = click.option("--scale", default=None, type=float, help="Times the size in the file.")
+DRY_RUN = dry_run("Make and check everything, write nothing.")
 SUGGEST = click.option(
     "--suggest",
     is_flag=True,
-    help="Say at which thicknesses and sizes every panel stands; make nothing.",
+    help="Say at which thicknesses and sizes every panel exists; make nothing.",
 )
 STRICT = click.option(
     "--strict", is_flag=True, help="Refuse files that need a repair, or an assumption."
 )
+ALLOW_CODE = click.option(
+    "--allow-code",
+    is_flag=True,
+    help="Run the Python file that a job names as its design (asked at a terminal).",
+)
 
 
-Kind = TypeVar("Kind", bound=StrEnum)
-
-
-def formats_of(only: str | None, kinds: type[Kind]) -> list[Kind] | None:
+def formats_of(names: str | None, kinds: type[Kind]) -> list[Kind] | None:
     """The kinds of files that --only names; None where it is left out. Raises `InvalidJob`."""
-    if only is None:
+    if names is None:
         return None
-    known = [str(kind) for kind in kinds]
-    chosen = []
-    for word in only.split(","):
-        name = word.strip().lower()
-        if name not in known:
-            close = difflib.get_close_matches(name, known, 1, 0.6)
-            hint = f" Did you mean {close[0]}?" if close else ""
-            raise InvalidJob(f"--only {name!r} must be among {','.join(known)}.{hint}")
-        chosen.append(kinds(name))
-    return chosen
-
-
-def write_made(made: Made, folder: Path, dry_run: bool = False) -> None:
-    """Write all files, unless it is a dry run, and list them."""
-    from fab.outputs import write
-
-    if not dry_run:
-        write(made, folder)
-    verb = "would write" if dry_run else "wrote"
-    for name, data in made.files.items():
-        say(f"{verb} {folder / name}  {len(data)} bytes")
+    return formats_among([name.strip().lower() for name in names.split(",")], kinds, "--only")

@@ -2,39 +2,41 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from fab.cli.console import Interrupts, answers, progress_bar, say, tell, tell_left
+from fab.cli.console import Interrupts, answers, progress_bar, say, tell
+from fab.cli.delivery import deliver
+from fab.cli.inputs import sized_pattern
 from fab.cli.options import (
+    DRY_RUN,
+    FILE,
     OUT,
     SCALE,
     SUGGEST,
     WIDTH,
+    changes_of,
     formats_of,
-    write_made,
+    only,
 )
+from fab.errors import counted
 
 if TYPE_CHECKING:
+    from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
     from fab.printing.thick_settings import ThickSettings
+    from fab.progress import Progress
 
 __all__ = ["say_window", "thicken"]
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@FILE
 @OUT
-@click.option(
-    "--set",
-    "changes",
-    multiple=True,
-    metavar="KEY=VALUE",
-    help="Such as panels.thickness_mm=1.2 or hinges.web_mm=0.4, as in a job; may be repeated.",
-)
+@changes_of("Such as panels.thickness_mm=1.2 or hinges.web_mm=0.4, as in a job; may be repeated.")
 @click.option(
     "--printer", default=None, metavar="NAME", help="A shipped one, or a .toml file of your own."
 )
@@ -46,8 +48,8 @@ __all__ = ["say_window", "thicken"]
 )
 @WIDTH
 @SCALE
-@click.option("--only", default=None, metavar="FORMATS", help="Such as step,stl (default: all).")
-@click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
+@only("Such as step,stl (default: all).")
+@DRY_RUN
 @SUGGEST
 def thicken(
     file: Path,
@@ -63,26 +65,22 @@ def thicken(
 ) -> None:
     """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
     with answers() as interrupts:
-        from fab.formats.fold_reader import read_pattern
-        from fab.outputs import file_names, left_over, plain_title, require_folder
-        from fab.pattern.crease_pattern import scaled
+        from fab.outputs import file_names, plain_title
         from fab.printing.print_files import ORDINARY, ThickFormat, make_thick
         from fab.printing.thick_settings import thick_settings
 
         formats = formats_of(only, ThickFormat) or ORDINARY
         settings = thick_settings(changes, printer, material)
         print_with = settings.print_with()
-        if not suggest:
-            require_folder(out)
-        pattern, findings = read_pattern(file)
-        pattern = scaled(pattern, width_mm=width_mm, factor=scale)
         if suggest:
+            pattern, _, findings = sized_pattern(file, width_mm, scale)
             say_window(pattern, settings.printed(print_with), interrupts)
             tell(findings)
             return
-        name = plain_title(file.stem)
-        with progress_bar(interrupts) as progress:
-            made = make_thick(
+
+        def make(progress: Progress) -> Made:
+            pattern, name, findings = sized_pattern(file, width_mm, scale)
+            return make_thick(
                 pattern,
                 name,
                 settings,
@@ -91,31 +89,24 @@ def thicken(
                 findings=findings,
                 progress=progress,
             )
-        interrupts.check()
-        write_made(made, out, dry_run)
-        solids = made.report["solids"]
-        if solids is not None:
-            size = " x ".join(f"{side:.4g}" for side in made.report["bounding_box_mm"]["print"])
-            say(f"{solids['panels']} panels, {solids['hinges']} hinges, {size} mm")
-        tell_left(left_over(made.files, file_names(f"{name}_thick", formats), out))
-        tell(made.findings)
-    sys.exit(0 if made.within_tolerance else 1)
+
+        names = file_names(f"{plain_title(file.stem)}_thick", formats)
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names)
+
+
+def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+    solids = report["solids"]
+    if solids is not None:
+        size = " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"]["print"])
+        panels, hinges = counted(solids["panels"], "panel"), counted(solids["hinges"], "hinge")
+        yield f"{panels}, {hinges}, {size} mm"
 
 
 def say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: Interrupts) -> None:
-    """The feasible window of scale and thickness of a sheet."""
-    from fab.clearance.thickness_limit import collisions
-    from fab.folding.folded_states import folded_states, with_free_angles
-    from fab.panels.feasible_window import feasible_window
-    from fab.pattern.kinematics import unknown_angles
+    """The feasible window of scale and thickness of a sheet, line by line."""
+    from fab.jobs.suggestion import suggested_window
 
-    panels, hinges = settings.panels, settings.hinges
     with progress_bar(interrupts) as progress:
-        states = None
-        if unknown_angles(pattern).any():
-            states, _ = folded_states(pattern, progress=progress)
-            pattern = with_free_angles(pattern, states)
-        clear = collisions(pattern, panels, hinges, progress, states)
-        window = feasible_window(pattern, panels, hinges, clear)
+        window = suggested_window(pattern, settings, progress)
     for line in window.lines():
         say(line)

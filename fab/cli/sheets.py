@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from fab.cli.console import answers, progress_bar, say, tell, tell_left
+from fab.cli.console import answers, say
+from fab.cli.delivery import deliver, write_made
+from fab.cli.inputs import sized_pattern
 from fab.cli.options import (
+    DRY_RUN,
+    FILE,
     MACHINE,
     MATERIAL,
     ONLY_SHEETS,
@@ -16,14 +21,18 @@ from fab.cli.options import (
     SCALE,
     WIDTH,
     formats_of,
-    write_made,
 )
+from fab.errors import counted
+
+if TYPE_CHECKING:
+    from fab.outputs import Made
+    from fab.progress import Progress
 
 __all__ = ["coupon", "fabricate", "shipped"]
 
 
 @click.command()
-@click.argument("file", type=click.Path(path_type=Path))
+@FILE
 @MATERIAL
 @MACHINE
 @OUT
@@ -36,7 +45,7 @@ __all__ = ["coupon", "fabricate", "shipped"]
     help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
 )
 @ONLY_SHEETS
-@click.option("--dry-run", is_flag=True, help="Make and check everything, write nothing.")
+@DRY_RUN
 def fabricate(
     file: Path,
     material: str,
@@ -52,24 +61,20 @@ def fabricate(
     """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
     with answers() as interrupts:
         from fab.drawings.drawing_files import SheetFormat
-        from fab.formats.fold_reader import read_pattern
-        from fab.outputs import left_over, plain_title, require_folder
-        from fab.pattern.crease_pattern import scaled
+        from fab.outputs import plain_title
         from fab.sheets.materials import load_machine, load_material
         from fab.sheets.registration import Registration
         from fab.sheets.sheet_files import fabricate, sheet_names
 
-        stuff, cutter = load_material(material), load_machine(machine)
+        stock, cutter = load_material(material), load_machine(machine)
         formats = formats_of(only, SheetFormat) or list(SheetFormat)
-        require_folder(out)
-        pattern, findings = read_pattern(file)
-        pattern = scaled(pattern, width_mm=width_mm, factor=scale)
-        name = plain_title(file.stem)
-        with progress_bar(interrupts) as progress:
-            made = fabricate(
+
+        def make(progress: Progress) -> Made:
+            pattern, name, findings = sized_pattern(file, width_mm, scale)
+            return fabricate(
                 pattern,
                 name,
-                stuff,
+                stock,
                 cutter,
                 copies=copies,
                 registration=Registration() if two_sided else None,
@@ -77,20 +82,22 @@ def fabricate(
                 findings=findings,
                 progress=progress,
             )
-        interrupts.check()
-        write_made(made, out, dry_run)
-        report = made.report
-        say(
-            f"{len(report['pieces'])} pieces, {len(report['glue_up'])} seams, "
-            f"{len(report['sheets'])} sheets of {cutter.bed_mm[0]:g} x {cutter.bed_mm[1]:g} mm, "
-            f"about {sum(sheet['minutes'] for sheet in report['sheets']):.1f} minutes"
-        )
-        if two_sided:
-            others = " Treat the other sheets alike." if len(report["sheets"]) > 1 else ""
-            say(report["sheets"][0]["turn"] + others)
-        tell_left(left_over(made.files, sheet_names(name), out))
-        tell(made.findings)
-    sys.exit(0 if made.within_tolerance else 1)
+
+        names = sheet_names(plain_title(file.stem))
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names)
+
+
+def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+    sheets = report["sheets"]
+    width, depth = report["machine"]["bed_mm"]
+    yield (
+        f"{counted(len(report['pieces']), 'piece')}, {counted(len(report['glue_up']), 'seam')}, "
+        f"{counted(len(sheets), 'sheet')} of {width:g} x {depth:g} mm, "
+        f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes"
+    )
+    if "turn" in sheets[0]:  # two-sided
+        others = " Treat the other sheets alike." if len(sheets) > 1 else ""
+        yield sheets[0]["turn"] + others
 
 
 @click.command()
@@ -107,12 +114,12 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
         from fab.sheets.cutting_order import tour
         from fab.sheets.materials import load_machine, load_material
 
-        stuff, cutter = load_material(material), load_machine(machine)
+        stock, cutter = load_material(material), load_machine(machine)
         formats = formats_of(only, SheetFormat) or list(SheetFormat)
         require_folder(out)
-        names = [Path(word).name.removesuffix(".toml") for word in (material, machine)]
-        name = plain_title("_".join(["coupon", *names]))
-        paths = tour(coupon(cutter, stuff))
+        words = [Path(word).name.removesuffix(".toml") for word in (material, machine)]
+        name = plain_title("_".join(["coupon", *words]))
+        paths = tour(coupon(cutter, stock))
         files = drawing_files(paths, name, formats, cutter.colours, cutter.dxf_version)
         write_made(Made(files, {}, ()), out)
 

@@ -25,7 +25,7 @@ from fab.geometry.triangulation import cap_triangles
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.kinematics import Kinematics, fold_by_angles, unknown_angles
 from fab.pattern.open_cuts import Opened, edges_between, opened
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 from solver.graphs import labels
 from solver.mesh import edges_of
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
@@ -332,10 +332,9 @@ def _triangles(
     )[:, 2]
     degenerate = np.flatnonzero(~(twice > 0))
     if len(degenerate):
-        raise InvalidValue(
-            f"face {face[degenerate[0]]}",
-            "without area in one of its triangles",
-            "have area",
+        raise InvalidState(
+            "faces",
+            f"a triangle of face {face[degenerate[0]]} has no area",
             "Merge corners that coincide, or remove the face.",
         )
     return vertices, face

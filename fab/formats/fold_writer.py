@@ -12,7 +12,7 @@ import numpy as np
 from fab.formats.face_orders import face_orders
 from fab.formats.fold_frames import _STATE, State
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray
 
 __all__ = ["fold_bytes"]
@@ -79,7 +79,7 @@ def _require_points(title: str, coords: FloatArray, count: int) -> None:
     bad = np.flatnonzero(~np.isfinite(coords).all(axis=1))
     if len(bad):
         cure = "Leave states out that did not come to rest."
-        raise InvalidValue(f"state {title!r}", f"vertex {bad[0]}", "be finite", cure)
+        raise InvalidState("coords", f"vertex {bad[0]} of state {title!r} is not finite", cure)
 
 
 def _angles_of(pattern: CreasePattern, coords: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Which closed solids with planar sides are there, all in one set of arrays?
+"""Closed solids with planar sides, all in one set of arrays.
 
 Body i has the vertices vertices_offsets[i]:vertices_offsets[i + 1] and the triangles
 triangles_offsets[i]:triangles_offsets[i + 1]; bodies share no vertices.
@@ -99,7 +99,7 @@ class Bodies:
         )
 
     def chosen(self, bodies: IntArray) -> Bodies:
-        """Some of the bodies, by number, in that order."""
+        """The bodies of these numbers, in that order."""
         return bodies_of([self.mesh(i) for i in np.asarray(bodies).tolist()])
 
 
@@ -156,6 +156,13 @@ def stacked(rings: FloatArray, offsets: IntArray, heights_mm: FloatArray) -> Bod
     offsets : solid i has the corners offsets[i]:offsets[i + 1]; heights_mm : shape (k,), rising.
 
     Vertices of a solid are its ring at the lowest height, then that at the next one, and so on.
+
+    A box of 2 x 1 x 3 mm:
+
+    >>> ring = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    >>> box = stacked(np.stack([ring, ring], axis=1), np.array([0, 4]), np.array([0.0, 3.0]))
+    >>> len(box), box.volumes_mm3().tolist()
+    (1, [6.0])
     """
     levels = len(heights_mm)
     sizes = np.diff(offsets)

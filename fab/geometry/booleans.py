@@ -1,4 +1,4 @@
-"""How do bodies pass through manifold3d and come back with their planar sides told apart?"""
+"""Booleans of bodies by manifold3d, which keep track of their planar sides."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.geometry.bodies import Bodies, TriangleMesh
+from solver.graphs import labels
 from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
@@ -25,9 +24,9 @@ __all__ = [
     "manifolds",
     "meshes",
     "prism",
+    "resolution_mm",
     "section",
     "solid",
-    "told_apart_mm",
 ]
 
 
@@ -61,10 +60,10 @@ def section(mesh: TriangleMesh, z_mm: float) -> shapely.Geometry:
 
 
 def meshes(solids: Sequence[Manifold]) -> list[TriangleMesh]:
-    """The surfaces of solids; sides that were cut in pieces are told as several."""
+    """The surfaces of solids; a side that was cut into pieces counts as several."""
     coords, triangles, sides = [], [], []
-    for number, one in enumerate(solids):
-        mesh = one.to_mesh64()
+    for number, each in enumerate(solids):
+        mesh = each.to_mesh64()
         corners = np.asarray(mesh.tri_verts, np.int64).reshape(-1, 3)
         # where the triangles of each of the bodies that it was made from begin
         begin = np.searchsorted(mesh.run_index, 3 * np.arange(len(corners)), "right") - 1
@@ -89,11 +88,9 @@ def _pieces_of_sides(triangles: IntArray, side: IntArray) -> IntArray:
     owner = np.tile(np.arange(len(triangles)), 3)
     low, high = ends.min(axis=1), ends.max(axis=1)
     order = np.lexsort((high, low))
-    one, two = owner[order[::2]], owner[order[1::2]]  # every edge of a closed surface has two
-    same = (side[one] == side[two]).all(axis=1)
-    pairs = (np.ones(int(same.sum())), (one[same], two[same]))
-    graph = coo_array(pairs, shape=(len(triangles),) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+    pairs = owner[order].reshape(-1, 2)  # every edge of a closed surface has two
+    same = (side[pairs[:, 0]] == side[pairs[:, 1]]).all(axis=1)
+    return labels(pairs[same], len(triangles))
 
 
 def manifold_of(mesh: TriangleMesh) -> Manifold:
@@ -110,16 +107,16 @@ def manifolds(bodies: Bodies) -> list[Manifold]:
 
 
 def joined_mesh(bodies: Bodies) -> TriangleMesh:
-    """The union of bodies that reach into each other, standing on z = 0.
+    """The union of bodies that reach into each other, moved up or down to stand on z = 0.
 
-    Corners nearer to each other than single precision can tell become one, so that files of that
+    Corners nearer to each other than single precision resolves become one, so that files of that
     precision have no slivers.
     """
     from manifold3d import Manifold, OpType
 
     whole = Manifold.batch_boolean(manifolds(bodies), OpType.Add)
     # as an original, it forgets between which of the bodies its edges ran
-    mesh = whole.as_original().simplify(told_apart_mm(bodies)).to_mesh64()
+    mesh = whole.as_original().simplify(resolution_mm(bodies)).to_mesh64()
     coords = np.array(mesh.vert_properties[:, :3], np.float64)
     coords[:, 2] -= coords[:, 2].min(initial=0.0)
     triangles = np.asarray(mesh.tri_verts, np.int64)
@@ -127,8 +124,8 @@ def joined_mesh(bodies: Bodies) -> TriangleMesh:
     return TriangleMesh(coords, triangles, plane)
 
 
-def told_apart_mm(bodies: Bodies) -> float:
-    """A distance that single precision resolves everywhere in the bodies, and no one can print."""
+def resolution_mm(bodies: Bodies) -> float:
+    """A distance that single precision resolves everywhere in the bodies, too small to print."""
     reach = float(np.abs(bodies.vertices_coords).max(initial=0.0))
     return max(1e-4, 2 * reach * float(np.finfo(np.float32).eps))
 

@@ -1,4 +1,4 @@
-"""Which solids stand on plane regions with holes?"""
+"""Solids over plane regions with holes, and the walls between two heights."""
 
 from __future__ import annotations
 
@@ -24,28 +24,32 @@ def extruded(region: shapely.Polygon, low_mm: float, high_mm: float) -> Triangle
     """The solid over a region between two heights.
 
     Its planar sides are numbered: bottom, top, then one for each corner of its rings.
+
+    >>> plate = extruded(shapely.box(0, 0, 5, 5).difference(shapely.box(1, 1, 2, 2)), 0.0, 1.0)
+    >>> len(plate.vertices_coords), len(np.unique(plate.triangles_plane))
+    (16, 10)
     """
     region = shapely.orient_polygons(region)
     rings = [shapely.get_coordinates(ring)[:-1] for ring in (region.exterior, *region.interiors)]
     flat = np.concatenate(rings)
     count = len(flat)
-    here, offsets = np.arange(count), np.cumsum([0, *map(len, rings)])
-    there = next_corner(offsets)
+    corners, offsets = np.arange(count), np.cumsum([0, *map(len, rings)])
     top = covered(flat, offsets, np.array([0, len(rings)]))
-    triangles = np.concatenate([top[:, ::-1], top + count, walls(here, there, count)])
-    plane = np.concatenate([np.repeat([0, 1], len(top)), here + 2, here + 2])
+    sides = walls(corners, next_corner(offsets), count)
+    triangles = np.concatenate([top[:, ::-1], top + count, sides])
+    plane = np.concatenate([np.repeat([0, 1], len(top)), corners + 2, corners + 2])
     heights = np.repeat([low_mm, high_mm], count)
     return TriangleMesh(np.column_stack([np.tile(flat, (2, 1)), heights]), triangles, plane)
 
 
-def walls(here: IntArray, there: IntArray, count: int) -> IntArray:
-    """Triangles that stand on edges with a region on their left, seen from outside, (2 n, 3).
+def walls(start: IntArray, end: IntArray, count: int) -> IntArray:
+    """Triangles of the walls on edges with a region on their left, seen from outside, (2 n, 3).
 
-    here, there : shape (n,), the corners at the bottom; `count` further on are those at the top.
+    start, end : shape (n,), corners at the bottom; those at the top have numbers higher by `count`.
     """
     return np.concatenate(
         [
-            np.column_stack([here, there, there + count]),
-            np.column_stack([here, there + count, here + count]),
+            np.column_stack([start, end, end + count]),
+            np.column_stack([start, end + count, start + count]),
         ]
     )

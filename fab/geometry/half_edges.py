@@ -1,7 +1,7 @@
-"""Which bodies have their planar sides between given rings of half edges?
+"""Half edges around the planar sides of bodies, and bodies made of such half edges again.
 
-The way back from `fab.loops`: rings are taken apart into half edges, some of which are replaced,
-and what closes again is covered with triangles.
+The inverse of `fab.geometry.side_loops`: rings are taken apart into half edges, some of which are
+replaced, and what closes again is covered with triangles.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class HalfEdges:
     normals: FloatArray
     bodies: IntArray
 
-    def lying(self, body_count: int) -> tuple[IntArray, IntArray]:
+    def bottoms_and_tops(self, body_count: int) -> tuple[IntArray, IntArray]:
         """The sides of each body that look most downwards and most upwards, shapes (n,).
 
         The first ones of all bodies from 0 to `body_count` - 1; each must have a side.
@@ -48,7 +48,7 @@ class HalfEdges:
 
 
 def half_edges(bodies: Bodies) -> HalfEdges:
-    """The half edges of bodies. Raises `InvalidValue` where triangles do not close one."""
+    """The half edges of bodies. Raises `InvalidState` where triangles do not close one."""
     loops = side_loops(bodies)
     following = next_corner(loops.offsets)
     side = np.cumsum(loops.outer) - 1
@@ -67,9 +67,9 @@ def triangles_within(edges: HalfEdges, coords: FloatArray) -> tuple[IntArray, In
     coords : shape (nv, 3). A side may be in several pieces, or be one piece with holes.
     """
     count = len(edges.start)
-    there = edges.sides * len(coords) + edges.start
-    order = np.argsort(there)
-    following = order[np.searchsorted(there[order], edges.sides * len(coords) + edges.end)]
+    starts = edges.sides * len(coords) + edges.start
+    order = np.argsort(starts)
+    following = order[np.searchsorted(starts[order], edges.sides * len(coords) + edges.end)]
     ring, offsets = cycles(np.arange(count), following)
     corners, first = edges.start[ring], ring[offsets[:-1]]
     side = edges.sides[first]

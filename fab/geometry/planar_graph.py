@@ -1,4 +1,4 @@
-"""Which faces do lines in the plane enclose, and where do lines cross or lie on each other?"""
+"""Planar graphs: the faces that lines enclose, and lines that cross or lie on each other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _CHUNK = 100_000
 
 
 def without_dangling(edges_vertices: IntArray) -> BoolArray:
-    """Which edges are left when edges with a free end are taken away, again and again, (ne,)."""
+    """Which edges are left when edges with a free end are removed, again and again, (ne,)."""
     kept = np.ones(len(edges_vertices), bool)
     while kept.any():
         degree = np.bincount(edges_vertices[kept].ravel(), minlength=int(edges_vertices.max()) + 1)
@@ -35,6 +35,12 @@ def enclosed_faces(
     clockwise from the one it came by, so that the face stays on its left (Muller and Preparata
     1978, doubly connected edge lists). Walks around a whole component run clockwise and are left
     out. Edges must not cross; edges with a free end make a face pass its vertices twice.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> lines = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]])
+    >>> corners, offsets = enclosed_faces(square, lines)
+    >>> corners.tolist(), offsets.tolist()
+    ([0, 1, 2, 2, 3, 0], [0, 3, 6])
     """
     start = edges_vertices.T.ravel()
     end = edges_vertices[:, ::-1].T.ravel()
@@ -48,7 +54,7 @@ def enclosed_faces(
     place[order] = np.arange(count)
     first = np.searchsorted(start[order], np.arange(len(vertices_coords)))
     last = np.searchsorted(start[order], np.arange(len(vertices_coords)), "right") - 1
-    back = place[twin]  # where the way back stands among the edges of the end
+    back = place[twin]  # of the half edge that runs back, among those that begin at the end
     following = order[np.where(back == first[end], last[end], back - 1)].tolist()
     seen = np.zeros(count, bool).tolist()
     walks: list[int] = []
@@ -76,12 +82,12 @@ def first_crossing(
 ) -> tuple[int, int, FloatArray] | None:
     """Two edges that meet elsewhere than in a common vertex, and a point where; None if none do.
 
-    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); of two such edges,
+    tolerance : an end this near to an edge lies on it. may_touch : shape (ne,); of two such edges,
     ends may lie on the other edge, or both on each other (the lips of a slit); they must not cross.
     """
     ends = vertices_coords[edges_vertices]
-    for one, two in _near(ends, tolerance):
-        found = _meeting(ends, edges_vertices, one, two, tolerance, may_touch)
+    for first, second in _near(ends, tolerance):
+        found = _meeting(ends, edges_vertices, first, second, tolerance, may_touch)
         if found is not None:
             return found
     return None
@@ -98,14 +104,14 @@ def first_abutting(
     Of faces that are counterclockwise, and wind these edges, one lies on either side. Edges that
     turn away from each other, or meet end to end, do not abut.
 
-    tolerance : so near to an edge an end lies on it. may_touch : shape (ne,); two such edges may
+    tolerance : an end this near to an edge lies on it. may_touch : shape (ne,); two such edges may
     abut.
     """
     ends = vertices_coords[edges_vertices]
-    for one, two in _near(ends, tolerance):
-        checked = ~(may_touch[one] & may_touch[two])
-        one, two = one[checked], two[checked]
-        (a, b), (c, d) = ends[one].swapaxes(0, 1), ends[two].swapaxes(0, 1)
+    for first, second in _near(ends, tolerance):
+        checked = ~(may_touch[first] & may_touch[second])
+        first, second = first[checked], second[checked]
+        (a, b), (c, d) = ends[first].swapaxes(0, 1), ends[second].swapaxes(0, 1)
         length = np.hypot(*(b - a).T)
         along = (b - a) / length[:, None]
         level = np.abs([_off(a, b, c), _off(a, b, d)]).max(axis=0) <= tolerance
@@ -118,41 +124,41 @@ def first_abutting(
         if len(found):
             k = int(found[0])
             middle = low[k] + common[k] / 2
-            return int(one[k]), int(two[k]), a[k] + middle * along[k]
+            return int(first[k]), int(second[k]), a[k] + middle * along[k]
     return None
 
 
 def _near(ends: FloatArray, tolerance: float) -> Iterator[tuple[IntArray, IntArray]]:
-    """Pairs of edges whose boxes come nearer than the tolerance, many at a time, first < second."""
+    """Pairs of edges whose boxes come nearer than the tolerance, in batches, first < second."""
     import shapely
 
     tree = shapely.STRtree(shapely.linestrings(ends))
     boxes = shapely.box(*(ends.min(axis=1) - tolerance).T, *(ends.max(axis=1) + tolerance).T)
     for begin in range(0, len(ends), _CHUNK):
-        one, two = tree.query(boxes[begin : begin + _CHUNK])
-        one = one + begin
-        yield one[one < two], two[one < two]
+        first, second = tree.query(boxes[begin : begin + _CHUNK])
+        first = first + begin
+        yield first[first < second], second[first < second]
 
 
 def _meeting(
     ends: FloatArray,
     edges_vertices: IntArray,
-    one: IntArray,
-    two: IntArray,
+    first: IntArray,
+    second: IntArray,
     tolerance: float,
     may_touch: BoolArray,
 ) -> tuple[int, int, FloatArray] | None:
-    a, b = ends[one].swapaxes(0, 1)
-    c, d = ends[two].swapaxes(0, 1)
+    a, b = ends[first].swapaxes(0, 1)
+    c, d = ends[second].swapaxes(0, 1)
     sides = [_off(a, b, c), _off(a, b, d), _off(c, d, a), _off(c, d, b)]
     apart = np.min([np.abs(side) for side in sides], axis=0) > tolerance
     crosses = apart & (sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0)
-    touching = ~(may_touch[one] & may_touch[two])
+    touching = ~(may_touch[first] & may_touch[second])
     for (p, q), others, ours, point in (
-        ((a, b), edges_vertices[one], edges_vertices[two, 0], c),
-        ((a, b), edges_vertices[one], edges_vertices[two, 1], d),
-        ((c, d), edges_vertices[two], edges_vertices[one, 0], a),
-        ((c, d), edges_vertices[two], edges_vertices[one, 1], b),
+        ((a, b), edges_vertices[first], edges_vertices[second, 0], c),
+        ((a, b), edges_vertices[first], edges_vertices[second, 1], d),
+        ((c, d), edges_vertices[second], edges_vertices[first, 0], a),
+        ((c, d), edges_vertices[second], edges_vertices[first, 1], b),
     ):
         shared = (others == ours[:, None]).any(axis=1)
         on = touching & ~shared & (np.abs(_off(p, q, point)) <= tolerance)
@@ -162,11 +168,11 @@ def _meeting(
         on &= (along >= -tolerance) & (along <= length + tolerance)
         if on.any():
             k = int(np.argmax(on))
-            return int(one[k]), int(two[k]), point[k]
+            return int(first[k]), int(second[k]), point[k]
     if crosses.any():
         k = int(np.argmax(crosses))
         share = sides[2][k] / (sides[2][k] - sides[3][k])
-        return int(one[k]), int(two[k]), a[k] + share * (b[k] - a[k])
+        return int(first[k]), int(second[k]), a[k] + share * (b[k] - a[k])
     return None
 
 

@@ -1,4 +1,4 @@
-"""How are polygons that lie one after another in an array walked, sorted, measured, told convex?
+"""Rings: polygons one after another in an array, walked, sorted by size, measured.
 
 Ring i has the corners offsets[i]:offsets[i + 1]; offsets has one entry more than there are rings.
 """
@@ -15,7 +15,11 @@ __all__ = ["are_convex", "by_size", "next_corner", "ring_areas"]
 
 
 def next_corner(offsets: IntArray) -> IntArray:
-    """Index of the following corner in the same ring, for all rings' corners."""
+    """Index of the following corner in the same ring, for all rings' corners.
+
+    >>> next_corner(np.array([0, 3, 7])).tolist()
+    [1, 2, 0, 4, 5, 6, 3]
+    """
     following = np.arange(offsets[-1]) + 1
     following[offsets[1:] - 1] = offsets[:-1]
     return following
@@ -30,7 +34,11 @@ def by_size(corners: IntArray, offsets: IntArray) -> Iterator[tuple[IntArray, In
 
 
 def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:
-    """Signed areas, positive where counterclockwise, of plane rings, shape (n,)."""
+    """Signed areas, positive where counterclockwise, of plane rings, shape (n,).
+
+    >>> ring_areas(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]), np.array([0, 3]))
+    array([2.])
+    """
     if len(offsets) == 1:
         return np.empty(0)
     local = corners - np.repeat(corners[offsets[:-1]], np.diff(offsets), axis=0)

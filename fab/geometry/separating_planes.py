@@ -1,6 +1,6 @@
-"""Which bodies come near each other, and which planes show that they stay apart?
+"""Bodies near each other, and planes that show how far they are apart.
 
-The bodies of a pair lie apart by at least as much as their shadows on any line do: this holds for
+The bodies of a pair are apart by at least as much as their shadows on any line are: this holds for
 bodies of any shape, and is exact for the right line where both are convex.
 """
 
@@ -16,7 +16,7 @@ from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["apart_along", "apart_at_least", "near_pairs"]
 
-# So many coordinates are looked at at a time: this bounds the memory, not the answer.
+# Coordinates compared at a time: this bounds the memory, not the answer.
 _AT_ONCE = 3_000_000
 # Steps towards the nearest points of two bodies; what they leave undecided needs exact distances.
 _STEPS = 12
@@ -30,9 +30,13 @@ def near_pairs(bodies: Bodies, reach_mm: float) -> IntArray:
     low, high = low - reach_mm / 2, high + reach_mm / 2
     thin, *wide = np.argsort(high.max(axis=0) - low.min(axis=0), kind="stable").tolist()
     boxes = shapely.box(low[:, wide[0]], low[:, wide[1]], high[:, wide[0]], high[:, wide[1]])
-    one, two = shapely.STRtree(boxes).query(boxes)
-    near = (one < two) & (low[one, thin] <= high[two, thin]) & (low[two, thin] <= high[one, thin])
-    pairs = np.column_stack([one[near], two[near]])
+    first, second = shapely.STRtree(boxes).query(boxes)
+    near = (
+        (first < second)
+        & (low[first, thin] <= high[second, thin])
+        & (low[second, thin] <= high[first, thin])
+    )
+    pairs = np.column_stack([first[near], second[near]])
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
@@ -47,16 +51,16 @@ def apart_along(bodies: Bodies, pairs: IntArray, directions: FloatArray) -> Floa
 
 
 def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArray:
-    """Distances that planes show to lie between the bodies of each pair, mm, shape (n,).
+    """Distances between the bodies of each pair, as far as planes show them, mm, shape (n,).
 
     First between their boxes, then along the sides of both bodies; those pairs that these do not
     show to be `wanted_mm` apart also across lines ever closer to the one between their nearest
-    points. Negative where no plane separates them: then sides of theirs reach into each other so
-    deep at most.
+    points. Negative where no plane separates them: then their sides reach into each other by at
+    most as much.
     """
     low, high = bodies.boxes()
-    one, two = pairs.T
-    best: FloatArray = np.maximum(low[one] - high[two], low[two] - high[one]).max(axis=1)
+    first, second = pairs.T
+    best: FloatArray = np.maximum(low[first] - high[second], low[second] - high[first]).max(axis=1)
     normals, offsets, heights = _sides(bodies, np.unique(pairs[best < wanted_mm]))
     for own, other in ((0, 1), (1, 0)):
         undecided = np.flatnonzero(best < wanted_mm)
@@ -77,15 +81,15 @@ def apart_at_least(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> Fl
 def _walked(bodies: Bodies, pairs: IntArray, wanted_mm: FloatArray) -> FloatArray:
     """The nearest point to the origin of all differences of points, by Frank and Wolfe's method."""
     best = np.full(len(pairs), -np.inf)
-    one, two = pairs.T
+    first, second = pairs.T
     middles = np.add.reduceat(bodies.vertices_coords, bodies.vertices_offsets[:-1])
     middles /= np.diff(bodies.vertices_offsets)[:, None]
-    x = middles[one] - middles[two]
+    x = middles[first] - middles[second]
     active = np.arange(len(pairs))
     for _ in range(_STEPS):
-        way = unit(x[active])
-        corner = _corners(bodies, one[active], -way) - _corners(bodies, two[active], way)
-        bound = dot(way, corner)
+        along = unit(x[active])
+        corner = _corners(bodies, first[active], -along) - _corners(bodies, second[active], along)
+        bound = dot(along, corner)
         best[active] = np.fmax(best[active], bound)
         step = corner - x[active]
         with np.errstate(invalid="ignore", divide="ignore"):

@@ -1,16 +1,15 @@
-"""Which rings of corners bound each planar side of each body?"""
+"""Rings of corners that bound the planar sides of bodies."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.geometry.bodies import Bodies
 from fab.geometry.rings import next_corner
-from solver.errors import InvalidValue
+from solver.errors import InvalidState
+from solver.graphs import EdgeIndex, labels
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm
 
 __all__ = ["SideLoops", "cycles", "side_loops"]
@@ -43,7 +42,7 @@ def side_loops(bodies: Bodies) -> SideLoops:
     Rings that meet in a vertex stay apart: around it they go on within the same fan of triangles.
     Vertices within a side are in no ring.
 
-    Raises `InvalidValue` where triangles do not close a body.
+    Raises `InvalidState` where triangles do not close a body.
     """
     triangles = bodies.triangles
     if not len(triangles):
@@ -55,9 +54,8 @@ def side_loops(bodies: Bodies) -> SideLoops:
     plane = np.repeat(bodies.triangles_plane, 3)
     border = plane != plane[twin]
     half = np.arange(len(start))
-    inside = half[~border] // 3, twin[~border] // 3
-    links = coo_array((np.ones(len(inside[0])), inside), shape=(len(triangles), len(triangles)))
-    side = np.repeat(connected_components(links, directed=False)[1], 3)
+    inside = np.column_stack([half[~border] // 3, twin[~border] // 3])
+    side = np.repeat(labels(inside, len(triangles)), 3)
     ahead = half - half % 3 + (half + 1) % 3  # next half edge of the same triangle
     members = np.flatnonzero(border)
     following = ahead.copy()
@@ -83,17 +81,14 @@ def side_loops(bodies: Bodies) -> SideLoops:
 
 def _twins(start: IntArray, end: IntArray, count: int) -> IntArray:
     """The half edge that runs back along each one."""
-    there, back = start * count + end, end * count + start
-    one, two = np.argsort(there), np.argsort(back)
-    if (there[one] != back[two]).any() or (np.diff(there[one]) == 0).any():
-        raise InvalidValue(
+    index = EdgeIndex.of(np.column_stack([start, end]), count, directed=True)
+    twin = index.find(np.column_stack([end, start]))
+    if twin.min() < 0 or (np.diff(index.keys) == 0).any():
+        raise InvalidState(
             "bodies",
-            f"{len(start) // 3} triangles",
-            "have every edge between exactly two triangles",
+            f"an edge of the {len(start) // 3} triangles is not between exactly two of them",
             "Give closed surfaces, their triangles counterclockwise seen from outside.",
         )
-    twin = np.empty_like(one)
-    twin[two] = one
     return twin
 
 
@@ -101,9 +96,7 @@ def cycles(members: IntArray, following: IntArray) -> tuple[IntArray, IntArray]:
     """The cycles of a permutation of some numbers, rising, each from its least: all in turn, and
     where each begins.
     """
-    size = len(following)
-    links = coo_array((np.ones(len(members)), (members, following[members])), shape=(size, size))
-    ring_of = connected_components(links, directed=False)[1][members]
+    ring_of = labels(np.column_stack([members, following[members]]), len(following))[members]
     _, first = np.unique(ring_of, return_index=True)
     begin = at = members[np.sort(first)]
     ring = np.arange(len(at))

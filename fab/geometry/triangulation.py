@@ -1,11 +1,11 @@
-"""Which triangles cover plane regions with holes, many of them at once?"""
+"""Triangles over plane regions with holes, many regions at once."""
 
 from __future__ import annotations
 
 import numpy as np
 import shapely
 
-from solver.errors import InvalidValue
+from solver.errors import InvalidState
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["cap_triangles", "covered"]
@@ -52,8 +52,8 @@ def _fans(rings: FloatArray) -> IntArray:
         [[[s, (s + k) % n, (s + k + 1) % n] for k in range(1, n - 1)] for s in range(n)]
     )
     at = rings[:, fans]
-    one, two = at[..., 1, :] - at[..., 0, :], at[..., 2, :] - at[..., 0, :]
-    thinnest = (one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]).min(axis=2)
+    u, v = at[..., 1, :] - at[..., 0, :], at[..., 2, :] - at[..., 0, :]
+    thinnest = (u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]).min(axis=2)
     return np.asarray(fans[thinnest.argmax(axis=1)], np.int64)
 
 
@@ -84,15 +84,19 @@ def _delaunay(points: FloatArray, rings: IntArray, regions: IntArray, chosen: In
 def cap_triangles(rings: FloatArray) -> IntArray:
     """Triangles of simple counterclockwise polygons, shape (k, n, 2) -> (k, n - 2, 3).
 
-    Which they are says `fab.covering`. Raises `InvalidValue` for polygons of more than four corners
-    that cross or touch themselves.
+    They are those of `covered`. Raises `InvalidState` for polygons of more than four corners that
+    cross or touch themselves.
+
+    >>> cap_triangles(np.array([[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]])).tolist()
+    [[[0, 1, 2], [0, 2, 3]]]
     """
     count, n = rings.shape[:2]
     if n > 4:
         outlines = shapely.polygons(rings)
         for wrong in outlines[~shapely.is_valid(outlines)]:
             why = shapely.is_valid_reason(wrong)
-            raise InvalidValue("polygon", why, "neither cross nor touch itself", "Split the face.")
+            sentence = f"a polygon crosses or touches itself ({why})"
+            raise InvalidState("polygon", sentence, "Split the face.")
     starts = n * np.arange(count + 1)
     found = covered(rings.reshape(-1, 2), starts, np.arange(count + 1))
     return np.asarray(found.reshape(count, n - 2, 3) - starts[:-1, None, None])

@@ -1,81 +1,98 @@
-"""From a job to its crease pattern: growth, development, and what is reported of them."""
+"""Growth of a job's sheet, its unfolding to a crease pattern, and the findings of both."""
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
-from fab.errors import Finding, InvalidJob, Severity
-from fab.jobs.job import Job, design_key
+from fab.errors import Finding, InvalidJob, Severity, counted, first_few
+from fab.jobs.job import Job, SheetSize
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
-from fab.pattern.development import Development, develop
+from fab.pattern.development import develop
 from fab.progress import Clock, Progress, silent
-from solver import DESIGNS, Growth, InvalidValue, Status
+from solver import Growth, InvalidValue, QuadMesh, Status
+from solver.vectors import IntArray
 
-__all__ = ["grown_pattern"]
+__all__ = ["grown", "grown_pattern", "growth_findings", "overlap_findings", "unfolded"]
 
-
-# A sheet that covers less of its surface is told of.
+# A sheet that covers less of its surface gets a finding.
 _COVERED = 0.95
 
 
 def grown_pattern(
     job: Job, progress: Progress = silent
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
-    """The crease pattern of a job, and what is to be told of its growth. Raises as `make`."""
-    growth, _, pattern = _grown(job, Clock(progress))
-    return pattern, tuple(_growth_findings(growth))
+    """The crease pattern of a job, and the findings of its growth. Raises as `make`."""
+    growth, _, pattern, _ = grown(job, Clock(progress))
+    return pattern, tuple(growth_findings(growth))
 
 
-def _grown(job: Job, clock: Clock) -> tuple[Growth, Development, CreasePattern]:
+def grown(job: Job, clock: Clock) -> tuple[Growth, QuadMesh, CreasePattern, IntArray]:
+    """The growth of a job, and what `unfolded` makes of its mesh."""
     with clock.stage("grow") as step, _named(job):
         growth = job.design.design(job.folder).grow(step)
+        if not isinstance(growth, Growth):
+            raise InvalidJob(f"design: `grow` must return a Growth, not {type(growth).__name__}.")
     with clock.stage("develop"), _named(job):
-        mesh = growth.mesh.cut_open()  # rings and tubes lie flat along a cut
-        development = develop(mesh)
-        return growth, development, crease_pattern(mesh, development, job.sheet.scale(development))
+        return growth, *unfolded(growth.mesh, job.sheet)
+
+
+def unfolded(mesh: QuadMesh, size: SheetSize) -> tuple[QuadMesh, CreasePattern, IntArray]:
+    """A folded mesh cut open, its crease pattern in mm, and the faces that overlap when flat.
+
+    The overlaps are pairs of faces, shape (n, 2). Raises as `develop`.
+    """
+    opened = mesh.cut_open()  # rings and tubes are cut along a seam to be flat
+    development = develop(opened)
+    pattern = crease_pattern(opened, development, size.scale(development))
+    return opened, pattern, development.overlaps
 
 
 @contextmanager
 def _named(job: Job) -> Iterator[None]:
-    """Name the job's own key where the solver refuses a value."""
+    """Name the job's own key where the solver refuses a value, and the file of a user's design."""
+    code = job.design.code
+    if code is not None:
+        from fab.jobs.own_designs import code_at
     try:
-        yield
+        with nullcontext() if code is None else code_at(code):
+            yield
     except InvalidValue as error:
-        design = DESIGNS[job.design.kind]
-        keys = {field.name: design_key(field) for field in dataclasses.fields(design)}
-        key = keys.get(error.name.partition("[")[0])
+        key = job.design.keys().get(error.name.partition("[")[0])
         place = f"design.{key}" if key else "design"
         raise InvalidJob(f"{place}: {error}") from error
 
 
-def _growth_findings(growth: Growth) -> list[Finding]:
+def growth_findings(growth: Growth) -> list[Finding]:
+    """Growth that stopped early, and surfaces that are not covered."""
     findings = []
     if growth.status != Status.GROWN:
-        text = f"growth stopped after {growth.strips} strips ({growth.status}). {growth.advice}"
+        strips = counted(growth.strips, "strip")
+        text = f"growth stopped after {strips} ({growth.status}). {growth.advice}"
         findings.append(Finding("growth-stopped", Severity.ERROR, text))
     if growth.coverage is not None and growth.coverage < _COVERED:
         text = (
-            f"{growth.coverage:.1%} of the surface lies under the sheet. trim = true begins with a "
+            f"{growth.coverage:.1%} of the surface is under the sheet. trim = true begins with a "
             "longer seed; another zigzag, row_step or turn_deg may help."
         )
         findings.append(Finding("surface-not-covered", Severity.WARNING, text))
     return findings
 
 
-def _overlap_findings(development: Development) -> list[Finding]:
-    pairs = development.overlaps
-    if not len(pairs):
+def overlap_findings(overlaps: IntArray) -> list[Finding]:
+    """Faces that share area when the sheet is flat; overlaps : pairs of them, shape (n, 2)."""
+    if not len(overlaps):
         return []
+    first, second = overlaps[0]
+    pairs = counted(len(overlaps), "pair")
     return [
         Finding(
             "development-overlaps",
             Severity.ERROR,
-            f"the flat sheet overlaps itself: {len(pairs)} pairs of faces share area, the first "
-            f"are {pairs[0][0]} and {pairs[0][1]}. It cannot be cut or printed as one sheet: "
-            "`quadfold fabricate` cuts its FOLD file into pieces for a laser cutter; for panels, "
-            "grow fewer columns or strips, or change the angles.",
-            panels=tuple(sorted({int(face) for face in pairs[:10].ravel()})),
+            f"the flat sheet overlaps itself: {pairs} of faces share area, the first are {first} "
+            f"and {second}. It cannot be cut or printed as one sheet: `quadfold fabricate` cuts "
+            "its FOLD file into pieces for a laser cutter; for panels, grow fewer columns or "
+            "strips, or change the angles.",
+            panels=first_few(sorted({int(face) for face in overlaps[:10].ravel()})),
         )
     ]

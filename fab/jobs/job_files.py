@@ -1,4 +1,4 @@
-"""How does a job become files?
+"""Files of a job, or of any folded quad mesh.
 
 The flow, and the only place where its branches join:
 
@@ -11,23 +11,28 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
-from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
+from fab import __version__
 from fab.errors import Finding
 from fab.formats.fold_writer import fold_bytes
-from fab.jobs.grow import _grown, _growth_findings, _overlap_findings
-from fab.jobs.job import Job
-from fab.outputs import Made, box_mm, with_report
+from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
+from fab.jobs.job import Job, SheetSettings
+from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_pattern
 from fab.pattern.self_intersection import crossing_faces
 from fab.progress import Clock, Progress, silent
+from fab.settings import checked
 from fab.sheets.perforation import perforate
+from solver import Growth, QuadMesh
+from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Format", "make"]
+__all__ = ["Format", "Sheet", "from_mesh", "make"]
 
 
 class Format(StrEnum):
@@ -43,7 +48,52 @@ class Format(StrEnum):
     ZIP = "zip"
 
 
-def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress = silent) -> Made:
+_SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A folded sheet, its crease pattern, and how it is made.
+
+    Attributes
+    ----------
+    mesh : folded, in units of its own; cut open along a seam where it was a ring or a tube.
+    pattern : in millimetres.
+    settings : name, outputs, tolerance and the tables of a job.
+    overlaps : pairs of faces that overlap when flat, shape (n, 2).
+    growth : how the mesh was grown; None for a mesh of another origin.
+    """
+
+    mesh: QuadMesh
+    pattern: CreasePattern
+    settings: SheetSettings
+    overlaps: IntArray
+    growth: Growth | None = None
+
+    def make(self, formats: Iterable[str] | None = None, progress: Progress = silent) -> Made:
+        """The sheet in each of `formats` as bytes, with the report of `make`.
+
+        formats : such as ["dxf", "fold"]; the `outputs` of the settings where none are given.
+        """
+        return _made(self, formats, Clock(progress))
+
+    def write(
+        self,
+        folder: str | Path,
+        formats: Iterable[str] | None = None,
+        progress: Progress = silent,
+    ) -> Made:
+        """Make the sheet's files and write them into `folder`, which is made where it is missing.
+
+        What was made is returned: its report and findings say whether it may be used. Raises
+        `InvalidJob` where the folder cannot take the files.
+        """
+        made = self.make(formats, progress)
+        write(made, folder)
+        return made
+
+
+def make(job: Job, formats: Iterable[str] | None = None, progress: Progress = silent) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
 
     formats : those of the job where none are given.
@@ -53,119 +103,192 @@ def make(job: Job, formats: Sequence[Format] | None = None, progress: Progress =
     Raises `InvalidJob` where the design's parameters leave nothing to grow, or a sheet without
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
-    formats = [Format(name) for name in job.outputs] if formats is None else formats
-    wanted = set(formats)
     clock = Clock(progress)
-    findings: list[Finding] = []
-    growth, development, pattern = _grown(job, clock)
-    findings += [*_growth_findings(growth), *_overlap_findings(development)]
-    with clock.stage("measure"):
-        accuracy = measure_pattern(pattern)
-        findings += inspect_accuracy(accuracy, job.tolerance)
-    with clock.stage("cross"):
-        folded = growth.mesh.cut_open().vertices_coords
-        crossings = crossing_faces(folded, pattern.faces_vertices, pattern.faces_offsets)
-        findings += inspect_crossings(crossings)
+    growth, mesh, pattern, overlaps = grown(job, clock)
+    return _made(Sheet(mesh, pattern, job, overlaps, growth), formats, clock)
 
+
+def from_mesh(
+    mesh: QuadMesh | FloatArray | Sequence[FloatArray],
+    *,
+    width_mm: float | None = None,
+    scale_mm_per_unit: float | None = None,
+    name: str = "sheet",
+    closed: bool = False,
+    settings: Mapping[str, Any] | None = None,
+    folder: str | Path = Path(),
+) -> Sheet:
+    """The sheet of a folded quad mesh: unfolded, its creases measured, ready to be made.
+
+    mesh : a `QuadMesh`, or the rows of its vertices, shape (rows, columns, 3).
+
+    width_mm, scale_mm_per_unit : the longer side of the flat sheet, or the size of a unit; one of
+    them.
+
+    closed : whether rows are loops, whose first vertex is not repeated.
+
+    settings : the tables and keys of a job besides `name`, `design` and `sheet`, such as
+    {"panels": {"thickness_mm": 1.2}}; folder : where files that they name are looked for.
+
+    Raises `InvalidJob` for settings at fault, `InvalidValue` for a mesh without area or in several
+    pieces. A mesh that cannot be folded from a flat sheet gets findings in the report of what is
+    made.
+
+    >>> rows = [[[x, y, (x % 2) / 2] for x in range(5)] for y in range(3)]  # pleats
+    >>> sheet = from_mesh(rows, width_mm=100.0)
+    >>> sheet.pattern.counts()
+    {'M': 4, 'V': 2, 'F': 4, 'B': 12}
+    >>> sorted(sheet.make(["fold"]).files)
+    ['report.json', 'sheet.fold']
+    """
+    size = {"width_mm": width_mm, "scale_mm_per_unit": scale_mm_per_unit}
+    document = {**(settings or {}), "name": name, "sheet": size}
+    tables = checked(SheetSettings, document, "settings", "Give it as in a job.")
+    tables._folder = Path(folder)
+    whole = mesh if isinstance(mesh, QuadMesh) else QuadMesh.from_rows(mesh, closed=closed)
+    opened, pattern, overlaps = unfolded(whole, tables.sheet)
+    return Sheet(opened, pattern, tables, overlaps)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """What one stage adds to what is made: files by name, findings, and keys of the report."""
+
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    findings: Sequence[Finding] = ()
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+
+def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
+    names = sheet.settings.outputs if formats is None else formats
+    wanted = set(formats_among(names, Format, "format"))
+    parts = [
+        _growth(sheet),
+        _measures(sheet, clock),
+        _fold_file(sheet, wanted, clock),
+        _drawings(sheet, wanted, clock),
+        _solids(sheet, wanted, clock),
+        _simulation(sheet, clock),
+        _picture(sheet, wanted, clock),
+    ]
+    report: dict[str, Any] = {
+        "quadfold": __version__,
+        "job": sheet.settings.model_dump(mode="json"),
+    }
     files: dict[str, bytes] = {}
-    assert pattern.folded_coords is not None  # what was grown has its folded form
-    boxes = {
-        "flat": box_mm(pattern.vertices_coords),
-        "folded": box_mm(pattern.folded_coords),
-    }
-    if Format.FOLD in wanted:
-        with clock.stage("fold"):
-            files[f"{job.name}.fold"] = fold_bytes(pattern, job.name)
-    findings += _flat_files(job, pattern, wanted, files, clock)
-    solids: dict[str, Any] | None = None
-    if wanted & {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}:
-        solids = _solid_files(job, pattern, wanted, files, findings, boxes, clock)
-    simulation: dict[str, Any] | None = None
-    if job.simulation is not None:
-        from fab.folding.simulation import fold_and_judge
-
-        _, verdict, told = fold_and_judge(pattern, job.simulation, progress=clock.progress)
-        findings += told
-        simulation = verdict.report()
-    if Format.PNG in wanted:
-        from fab.pattern.picture import png_bytes
-
-        with clock.stage("png"):
-            files[f"{job.name}.png"] = png_bytes(pattern, job.name)
-    report = {
-        "quadfold": _version(),
-        "job": job.model_dump(mode="json"),
-        "growth": {
-            "status": growth.status,
-            "strips": growth.strips,
-            "advice": growth.advice,
-            "coverage": growth.coverage,
-            "chosen": dict(growth.chosen),
-        },
-        "counts": {
-            "vertices": len(pattern.vertices_coords),
-            "faces": pattern.face_count,
-            "creases": pattern.counts(),
-        },
-        **{key: _number(value) for key, value in dataclasses.asdict(accuracy).items()},
-        "crossings": len(crossings),
-        "bounding_box_mm": boxes,
-        "solids": solids,
-        "simulation": simulation,
-        "seconds": clock.seconds,
-    }
+    for part in parts:
+        report |= part.report
+        files |= part.files
+    report["seconds"] = clock.seconds
+    findings = [finding for part in parts for finding in part.findings]
     return with_report(files, "report.json", report, findings)
 
 
-def _flat_files(
-    job: Job,
-    pattern: CreasePattern,
-    wanted: set[Format],
-    files: dict[str, bytes],
-    clock: Clock,
-) -> list[Finding]:
-    if not wanted & {Format.DXF, Format.SVG}:
-        return []
+def _growth(sheet: Sheet) -> _Part:
+    overlaps, growth = overlap_findings(sheet.overlaps), sheet.growth
+    if growth is None:
+        return _Part(findings=overlaps, report={"growth": None})
+    report = {
+        "status": growth.status,
+        "strips": growth.strips,
+        "advice": growth.advice,
+        "coverage": growth.coverage,
+        "chosen": dict(growth.chosen),
+    }
+    return _Part(findings=[*growth_findings(growth), *overlaps], report={"growth": report})
+
+
+def _measures(sheet: Sheet, clock: Clock) -> _Part:
+    pattern = sheet.pattern
+    with clock.stage("measure"):
+        accuracy = measure_pattern(pattern)
+        findings = inspect_accuracy(accuracy, sheet.settings.tolerance)
+    with clock.stage("cross"):
+        crossings = crossing_faces(
+            sheet.mesh.vertices_coords, pattern.faces_vertices, pattern.faces_offsets
+        )
+        findings += inspect_crossings(crossings)
+    counts = {
+        "vertices": len(pattern.vertices_coords),
+        "faces": pattern.face_count,
+        "creases": pattern.counts(),
+    }
+    measures = {key: _number(value) for key, value in dataclasses.asdict(accuracy).items()}
+    return _Part(
+        findings=findings, report={"counts": counts, **measures, "crossings": len(crossings)}
+    )
+
+
+def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
+    if Format.FOLD not in wanted:
+        return _Part()
+    name = sheet.settings.name
+    with clock.stage("fold"):
+        return _Part({f"{name}.fold": fold_bytes(sheet.pattern, name)})
+
+
+def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
+    kinds = [kind for kind in (Format.DXF, Format.SVG) if kind in wanted]
+    if not kinds:
+        return _Part()
     from fab.drawings.drawing_files import SheetFormat, drawing_files
 
     with clock.stage("perforate"):
-        paths, findings = perforate(pattern, job.perforation)
-    for kind in (Format.DXF, Format.SVG):
-        if kind in wanted:
-            with clock.stage(kind):
-                files |= drawing_files(paths, job.name, [SheetFormat(kind.value)])
-    return findings
+        paths, findings = perforate(sheet.pattern, sheet.settings.perforation)
+    files: dict[str, bytes] = {}
+    for kind in kinds:
+        with clock.stage(kind):
+            files |= drawing_files(paths, sheet.settings.name, [SheetFormat(kind.value)])
+    return _Part(files, findings)
 
 
-def _solid_files(
-    job: Job,
-    pattern: CreasePattern,
-    wanted: set[Format],
-    files: dict[str, bytes],
-    findings: list[Finding],
-    boxes: dict[str, list[float]],
-    clock: Clock,
-) -> dict[str, Any] | None:
+def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
+    pattern, settings = sheet.pattern, sheet.settings
+    assert pattern.folded_coords is not None  # the mesh is the folded form
+    boxes = {"flat": box_mm(pattern.vertices_coords), "folded": box_mm(pattern.folded_coords)}
+    if not wanted & _SOLID:
+        return _Part(report={"bounding_box_mm": boxes, "solids": None})
     from fab.printing.print_files import ThickFormat, thick_files
 
-    formats = {kind for kind in ThickFormat if kind.value in set(wanted)}
-    print_with = job.print_with(job.folder)
-    made = thick_files(pattern, job.name, job.printed(print_with), formats, clock, print_with)
-    findings += made.findings
-    if made.figures is None or made.print_mm is None:
-        return None
-    boxes["print"] = made.print_mm
-    for end, data in made.data.items():
-        files[job.name + ("_thick.png" if end == ".png" else end)] = data
-    return {**made.figures, "plates": made.plates}
+    print_with = settings.print_with(settings.folder)
+    made = thick_files(
+        pattern,
+        settings.name,
+        settings.printed(print_with),
+        {kind for kind in ThickFormat if kind.value in set(wanted)},
+        clock,
+        print_with,
+    )
+    solids: dict[str, Any] | None = None
+    if made.figures is not None and made.print_mm is not None:
+        boxes["print"] = made.print_mm
+        solids = {**made.figures, "plates": made.plates}
+    files = {
+        settings.name + ("_thick.png" if end == ".png" else end): data
+        for end, data in made.data.items()
+    }
+    return _Part(files, made.findings, {"bounding_box_mm": boxes, "solids": solids})
+
+
+def _simulation(sheet: Sheet, clock: Clock) -> _Part:
+    settings = sheet.settings.simulation
+    if settings is None:
+        return _Part(report={"simulation": None})
+    from fab.folding.simulation import fold_and_judge
+
+    _, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
+    return _Part(findings=findings, report={"simulation": verdict.report()})
+
+
+def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
+    if Format.PNG not in wanted:
+        return _Part()
+    from fab.pattern.picture import png_bytes
+
+    name = sheet.settings.name
+    with clock.stage("png"):
+        return _Part({f"{name}.png": png_bytes(sheet.pattern, name)})
 
 
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def _version() -> str:
-    try:
-        return version("quadfold")
-    except PackageNotFoundError:
-        return "not installed"

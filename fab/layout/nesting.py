@@ -16,7 +16,13 @@ import shapely
 
 from fab.layout.gap_filling import Gaps
 from fab.progress import Steps, no_steps
-from solver.errors import InvalidValue, require_count, require_number, require_positive
+from solver.errors import (
+    InvalidState,
+    InvalidValue,
+    require_count,
+    require_number,
+    require_positive,
+)
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["Placement", "Placements", "nest"]
@@ -181,10 +187,10 @@ def _room(bed_mm: tuple[float, float], margin_mm: float) -> FloatArray:
 def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray) -> _Piece:
     polygon = shapely.Polygon(outline)
     if not (polygon.is_valid and polygon.area > 0):
-        raise InvalidValue(
-            f"outline {number}",
-            "without area" if polygon.is_valid else shapely.is_valid_reason(polygon),
-            "be a polygon with area that does not cross itself",
+        why = "no area" if polygon.is_valid else shapely.is_valid_reason(polygon)
+        raise InvalidState(
+            "outlines",
+            f"outline {number} has no area, or crosses itself: {why}",
             "Split the piece where it overlaps itself.",
         )
     upright = [0.0, *_box_turns_deg(polygon)]

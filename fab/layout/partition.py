@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from fab.layout.face_sets import SLACK_REL, FaceSets, Sheet, extent, upright
 from fab.progress import Steps, no_steps
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["partition"]
@@ -76,10 +76,9 @@ def _require_room(faces: FaceSets, part: IntArray) -> None:
     reach, key = faces.sheet.reach_text
     crossed = faces.overlaps[faces.overlaps[:, 0] == faces.overlaps[:, 1], 0]
     if len(crossed):
-        raise InvalidValue(
-            f"outline of face {crossed[0]}",
-            "crossing itself",
-            "be a simple polygon",
+        raise InvalidState(
+            "faces",
+            f"the outline of face {crossed[0]} crosses itself",
             "Split the face where its sides cross.",
         )
     span = faces.high[part] - faces.low[part] + 2 * faces.tab

@@ -26,7 +26,7 @@ def drilled(panels: Panels, hole_mm: float, wall_mm: float) -> tuple[Panels, lis
     and a finding names them.
     """
     edges = half_edges(panels.bodies)
-    levels = edges.lying(len(panels.bodies))
+    levels = edges.bottoms_and_tops(len(panels.bodies))
     free = shapely.intersection(*(_outlines(panels, edges, sides) for sides in levels))
     least = hole_mm / 2 / np.cos(np.pi / ROUND_SIDES) + wall_mm
     area = shapely.buffer(free, 0.0)  # without what has none, such as where sides only touch
@@ -75,7 +75,7 @@ def _pierced(
     first = len(bodies.vertices_coords) + 2 * count * np.arange(len(chosen))[:, None]
     corner = np.arange(count)
     following = np.roll(corner, -1)
-    bottoms, tops = (sides[chosen, None] for sides in edges.lying(len(bodies)))
+    bottoms, tops = (sides[chosen, None] for sides in edges.bottoms_and_tops(len(bodies)))
     # clockwise, seen from outside
     rings = [
         (

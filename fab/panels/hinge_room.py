@@ -25,13 +25,7 @@ def crease_sides(pattern: CreasePattern, panels: Panels) -> tuple[IntArray, IntA
     first = np.full(len(pattern.edges_vertices), -1)
     second = np.full(len(pattern.edges_vertices), -1)
     edge, face = panels.sides.edges, panels.sides.faces
-    joined = (
-        (pattern.edges_faces[edge, 1] >= 0)
-        & (pattern.edges_assignment[edge] != "C")
-        & (pattern.edges_faces[edge, 0] != pattern.edges_faces[edge, 1])
-        & panels.faces_has_panel[face]
-    )
-    side = np.flatnonzero(joined)
+    side = np.flatnonzero(pattern.edges_joining[edge] & panels.faces_has_panel[face])
     is_first = pattern.edges_faces[edge[side], 0] == face[side]
     first[edge[side[is_first]]] = side[is_first]
     second[edge[side[~is_first]]] = side[~is_first]

@@ -203,8 +203,7 @@ def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.
     mountain, valley, flat = settings.kinds
     letter = pattern.edges_assignment
     out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
-    first, second = pattern.edges_faces.T
-    out[(second < 0) | (first == second) | (letter == "C")] = "none"
+    out[~pattern.edges_joining] = "none"
     return out
 
 

@@ -39,7 +39,7 @@ def with_knuckles(
     barrels = _barrels(pattern, panels, knuckles)
     body = np.searchsorted(panels.faces, panels.sides.faces[barrels.sides])
     edges = half_edges(panels.bodies)
-    bottoms, tops = edges.lying(len(panels.bodies))
+    bottoms, tops = edges.bottoms_and_tops(len(panels.bodies))
     pin = settings.pin_mm / 2
     rings = [
         shapely.get_coordinates(circle(np.zeros(2), radius, ROUND_SIDES, around=around))[:-1]
@@ -104,7 +104,7 @@ def _opened(
         for z in (panels.heights_mm[0], 0.0, panels.heights_mm[1])
     ]
     is_level = np.zeros(len(edges.bodies), bool)  # bottoms and tops
-    for sides in edges.lying(len(panels.bodies)):
+    for sides in edges.bottoms_and_tops(len(panels.bodies)):
         is_level[sides] = True
     split = np.concatenate([edge for edge, _ in met])
     number = np.concatenate([barrel for _, barrel in met])

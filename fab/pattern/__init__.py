@@ -1,1 +1,10 @@
-"""..."""
+"""The crease pattern in millimetres, and what follows from it alone.
+
+`crease_pattern` is the data type, with the names of the FOLD format; `development` makes the flat
+sheet of a grown mesh, `overlap` compares its faces.
+Of a pattern: `outlines` (what is cut through), `open_cuts` (the sheet with its cuts open),
+`closing_edges` (edges that meet when folded), `sectors` (lines around vertices).
+Of its fold: `kinematics` and `face_tree` (rigid faces turned by the fold angles), `face_poses`,
+`self_intersection` (faces that cross), `inspection` (exactness, as findings).
+`picture` draws both as a PNG.
+"""

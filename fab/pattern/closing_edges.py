@@ -1,4 +1,4 @@
-"""Which edges of the boundary come together when a sheet is folded, such as those of a cut ring?"""
+"""Boundary edges that come together when a sheet is folded, such as those of a cut ring."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def closing_edges(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
         return none
     near = _CLOSED_REL * float(norm(np.ptp(folded, axis=0)))
     ends = pattern.edges_vertices[border]
-    there = np.concatenate([folded[ends[:, 0]], folded[ends[:, 1]]], axis=1)
+    ahead = np.concatenate([folded[ends[:, 0]], folded[ends[:, 1]]], axis=1)
     back = np.concatenate([folded[ends[:, 1]], folded[ends[:, 0]]], axis=1)
-    pairs = cKDTree(there).sparse_distance_matrix(cKDTree(back), near, output_type="coo_matrix")
-    one, two = pairs.row, pairs.col
-    times = np.bincount(one, minlength=len(border))
-    plain = (one < two) & (times[one] == 1) & (times[two] == 1)
-    one, two = one[plain], two[plain]
+    pairs = cKDTree(ahead).sparse_distance_matrix(cKDTree(back), near, output_type="coo_matrix")
+    first, second = pairs.row, pairs.col
+    times = np.bincount(first, minlength=len(border))
+    plain = (first < second) & (times[first] == 1) & (times[second] == 1)
+    first, second = first[plain], second[plain]
     flat = pattern.vertices_coords
-    apart = norm(flat[ends[one]] - flat[ends[two][:, ::-1]]).max(axis=1) > near
-    one, two = one[apart], two[apart]
-    order = np.argsort(one)
-    edges = np.column_stack([border[one], border[two]])[order]
+    apart = norm(flat[ends[first]] - flat[ends[second][:, ::-1]]).max(axis=1) > near
+    first, second = first[apart], second[apart]
+    order = np.argsort(first)
+    edges = np.column_stack([border[first], border[second]])[order]
     normals = face_normals(folded, pattern.faces_vertices, pattern.faces_offsets)
     n1, n2 = normals[pattern.edges_faces[edges, 0]].swapaxes(0, 1)
     u = unit(np.diff(folded[pattern.edges_vertices[edges[:, 0]]], axis=1)[:, 0])

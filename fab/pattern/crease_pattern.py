@@ -1,4 +1,4 @@
-"""What is a crease pattern: the flat sheet, its creases, which way and how far each one folds?
+"""The crease pattern: a flat sheet, its creases, and the direction and angle of each fold.
 
 Arrays carry the names of the FOLD format. Polygons of any size: faces are stored one after another
 in `faces_vertices`, and face f is `faces_vertices[faces_offsets[f]:faces_offsets[f + 1]]`.
@@ -12,15 +12,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.errors import InvalidJob
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.development import Development
-from solver.errors import InvalidValue, require_positive
+from solver.errors import InvalidState, require_positive
+from solver.graphs import labels
 from solver.mesh import Edges, QuadMesh
-from solver.vectors import FloatArray, IntArray, cross, dot, unit
+from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, unit
 
 __all__ = [
     "FLAT_ANGLE_DEG",
@@ -50,6 +49,13 @@ class CreasePattern:
     edges_foldAngle : shape (ne,), degrees in (-180, 180], valley positive, 0 at the boundary.
     faces_vertices, faces_offsets : polygons, see the module; shapes (total,) and (nf + 1,).
     folded_coords : shape (nv, 3), mm, the folded form; None where it is not known.
+
+    >>> from fab.pattern.development import develop
+    >>> from solver import Miura
+    >>> mesh = Miura(columns=4, rows=3).grow().mesh
+    >>> pattern = crease_pattern(mesh, develop(mesh), scale_mm_per_unit=20.0)
+    >>> pattern.face_count, pattern.counts()
+    (12, {'M': 8, 'V': 9, 'F': 0, 'B': 14})
     """
 
     vertices_coords: FloatArray
@@ -78,13 +84,16 @@ class CreasePattern:
         return Edges(self.edges_vertices, self.edges_faces)
 
     @cached_property
+    def edges_joining(self) -> BoolArray:
+        """Which edges join two different faces, creases and not cuts, shape (ne,)."""
+        first, second = self.edges_faces.T
+        joining: BoolArray = (second >= 0) & (first != second) & (self.edges_assignment != "C")
+        return joining
+
+    @cached_property
     def faces_piece(self) -> IntArray:
-        """The piece of the sheet that each face is of, over all edges but cuts, shape (nf,)."""
-        joined = (self.edges_faces[:, 1] >= 0) & (self.edges_assignment != "C")
-        one, two = self.edges_faces[joined].T
-        shape = (self.face_count, self.face_count)
-        graph = coo_array((np.ones(len(one)), (one, two)), shape=shape)
-        return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+        """The piece of the sheet that each face belongs to, shape (nf,)."""
+        return labels(self.edges_faces[self.edges_joining], self.face_count)
 
     def faces_by_size(self) -> Iterator[tuple[IntArray, IntArray]]:
         """For each number n of corners: the faces that have it, and their corners (nf', n)."""
@@ -99,7 +108,10 @@ class CreasePattern:
 def crease_pattern(
     mesh: QuadMesh, development: Development, scale_mm_per_unit: float
 ) -> CreasePattern:
-    """The crease pattern of a grown patch; here design units become millimetres, once."""
+    """The crease pattern of a grown patch; the scale to millimetres is applied only here.
+
+    Raises `InvalidValue` for a scale that is not positive.
+    """
     require_positive("scale_mm_per_unit", scale_mm_per_unit)
     edges = mesh.edges
     faces, offsets = mesh.polygons
@@ -119,7 +131,10 @@ def crease_pattern(
 def scaled(
     pattern: CreasePattern, *, width_mm: float | None = None, factor: float | None = None
 ) -> CreasePattern:
-    """The pattern with its longer side `width_mm` long, or `factor` times as large."""
+    """The pattern with its longer side `width_mm` long, or `factor` times as large.
+
+    Raises `InvalidJob` where both are given, `InvalidValue` where one is not positive.
+    """
     if width_mm is not None and factor is not None:
         raise InvalidJob(f"width {width_mm:g} mm and scale {factor:g}: give one of them.")
     if width_mm is not None:
@@ -151,6 +166,8 @@ def fold_angles_deg(
 
     atan2((n2 x n1).u, n1.n2), with n1, n2 the normals of the first and second face and u the edge's
     direction in the first; 0 at the boundary, and within `FLAT_ANGLE_DEG` of 0.
+
+    Raises `InvalidState` for an edge without length and a face without area.
     """
     normals = face_normals(folded_coords, faces_vertices, faces_offsets)
     shared = edges.edges_faces[:, 1] >= 0
@@ -159,11 +176,10 @@ def fold_angles_deg(
     n1, n2 = normals[edges.edges_faces[shared]].swapaxes(0, 1)
     bad = np.flatnonzero(~np.isfinite(dot(n1, n2) + dot(u, u)))
     if len(bad):
-        one, two = edges.edges_vertices[shared][bad[0]]
-        raise InvalidValue(
-            f"edge ({one}, {two})",
-            "without length, or beside a face without area",
-            "have length, between faces with area",
+        start, end = edges.edges_vertices[shared][bad[0]]
+        raise InvalidState(
+            "edges",
+            f"edge ({start}, {end}) has no length, or is beside a face without area",
             "Merge duplicate vertices and remove degenerate faces.",
         )
     angle = np.zeros(len(shared))

@@ -1,4 +1,4 @@
-"""What is the flat shape of a folded sheet, and does it overlap itself?"""
+"""Development of a folded sheet: its flat shape, how exact it is, where it overlaps itself."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from scipy.sparse.csgraph import dijkstra
 
 from fab.geometry.rings import by_size, next_corner
 from fab.pattern.overlap import overlapping_faces
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
+from solver.graphs import EdgeIndex
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
@@ -26,8 +27,8 @@ class Development:
 
     Attributes
     ----------
-    vertices_coords : shape (nv, 2), in the units of the mesh; the box of least area around it
-        stands on the origin, its longer side along x.
+    vertices_coords : shape (nv, 2), in the units of the mesh; the box of least area around it has
+        a corner at the origin and its longer side along x.
     isometry_max_rel : largest relative change of a side or diagonal of a face.
     closure_max : largest distance between the places that different faces give a vertex.
     overlaps : pairs of faces that overlap in the plane, shape (n, 2).
@@ -45,7 +46,13 @@ def develop(mesh: QuadMesh) -> Development:
     Every face is laid down as it is, so nothing is fitted: where the mesh is developable the
     faces agree on their vertices, and `closure_max` says how well. Cost: O(nf log nf).
 
-    Raises `InvalidValue` for a mesh without faces, with a face without area, or in several pieces.
+    Raises `InvalidValue` for a mesh without faces or with a face without area, `InvalidState` for
+    one in several pieces.
+
+    >>> from solver import Miura
+    >>> flat = develop(Miura(columns=4, rows=3).grow().mesh)
+    >>> flat.isometry_max_rel < 1e-12, len(flat.overlaps)
+    (True, 0)
     """
     coords = mesh.vertices_coords
     corner, offsets = mesh.polygons
@@ -101,16 +108,15 @@ def _unfolding_tree(
     shared = edges.edges_faces[:, 1] >= 0
     ends = coords[edges.edges_vertices[shared]]
     length = norm(ends[:, 1] - ends[:, 0])
-    one, two = edges.edges_faces[shared].T
+    pairs = tuple(edges.edges_faces[shared].T)
     cost = length.max() / np.maximum(length, 1e-100 * length.max()) if len(length) else length
-    graph = csr_array((cost, (one, two)), shape=(count, count))
+    graph = csr_array((cost, pairs), shape=(count, count))
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     if not np.isfinite(distance).all():
         lost = np.flatnonzero(~np.isfinite(distance))
-        raise InvalidValue(
+        raise InvalidState(
             "mesh",
-            f"faces {root} and {lost[0]} not connected",
-            "be one piece",
+            f"the mesh is not in one piece: faces {root} and {lost[0]} are not connected",
             "Develop each piece.",
         )
     depth = np.full(count, -1)
@@ -138,23 +144,19 @@ def _face_motions(
     child = np.concatenate(levels[1:]) if len(levels) > 1 else np.empty(0, np.int64)
     # the edge to the parent; of several between two faces (a straight crease) the first
     shared = np.flatnonzero(edges.edges_faces[:, 1] >= 0)
-    beside = edges.edges_faces[shared]
     count = len(parent)
-    pair = beside.min(axis=1) * count + beside.max(axis=1)
-    order = np.argsort(pair, kind="stable")
-    wanted = np.minimum(child, parent[child]) * count + np.maximum(child, parent[child])
-    found = shared[order[np.searchsorted(pair[order], wanted)]] if len(child) else child
+    beside = EdgeIndex.of(edges.edges_faces[shared], count)
+    found = shared[beside.find(np.column_stack([child, parent[child]]))] if len(child) else child
     # it runs from u to v in the parent and back in the child
     u, v = edges.edges_vertices[found].T
     swap = edges.edges_faces[found, 0] == child
     u, v = np.where(swap, v, u), np.where(swap, u, v)
     following = next_corner(offsets)
-    vertices = int(corner.max()) + 1
-    key = corner * vertices + corner[following]
-    rank = np.argsort(key)
+    ends = np.column_stack([corner, corner[following]])
+    sides = EdgeIndex.of(ends, int(corner.max()) + 1, directed=True)
 
     def side(start: IntArray, end: IntArray) -> tuple[ComplexArray, ComplexArray]:
-        at = rank[np.searchsorted(key[rank], start * vertices + end)]
+        at = sides.find(np.column_stack([start, end]))
         return local[at], local[following[at]]
 
     q0, q1 = side(v, u)
@@ -189,7 +191,7 @@ def _upright(flat: FloatArray) -> FloatArray:
         for axis in (edge, across)
     )
     area = extent[0] * extent[1]
-    # equal boxes (a Miura sheet has two) must not be told apart by rounding
+    # rounding must not decide between equal boxes (a Miura sheet has two)
     best = int(np.flatnonzero(area <= area.min() * (1 + 1e-9))[0])
     u = edge[best]
     if extent[1][best] > extent[0][best]:

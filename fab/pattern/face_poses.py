@@ -1,4 +1,4 @@
-"""Where does every face of the sheet go, as a rigid body, in a folded state?"""
+"""Rigid motions of the faces of a sheet from flat to a folded state."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Along which tree is every face reached from the middle of its piece, and what adds up there?"""
+"""Trees of faces, from the middle of each piece of a sheet, and products of motions along them."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
+from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
+from solver.graphs import edge_keys, labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["FaceTree", "face_tree"]
@@ -53,22 +54,20 @@ class FaceTree:
 
 
 def face_tree(centres: FloatArray, pairs: IntArray, lengths: FloatArray) -> FaceTree:
-    """Reach every face over the longest sides, which are known best.
+    """The trees that reach every face over the longest sides, which are known best.
 
     centres : shape (n, 2), middles of the faces; pairs : shape (m, 2), neighbours; lengths : shape
     (m,), of their common sides. Neighbours that share several sides are joined over the last.
     """
     count = len(centres)
-    one, two = pairs.T
-    keys = np.minimum(one, two) * count + np.maximum(one, two)
+    keys = edge_keys(pairs, count)
     _, last = np.unique(keys[::-1], return_index=True)
     chosen = len(keys) - 1 - last
-    ends = one[chosen], two[chosen]
+    ends = tuple(pairs[chosen].T)
     graph = coo_array((1 / lengths[chosen], ends), shape=(count, count)).tocsr()
     tree = minimum_spanning_tree(graph)
     tree = tree + tree.T
-    _, piece = connected_components(tree, directed=False)
-    roots = _middles(centres, piece)
+    roots = _middles(centres, labels(pairs, count))
     parent = np.arange(count)
     for root in roots.tolist():
         order, above = breadth_first_order(tree, root, directed=False)

@@ -1,4 +1,4 @@
-"""Can it be made: do the files hold what they promise, and where do they not?
+"""Findings about the exactness of a pattern and its folded form.
 
 Every finding has a code, a severity and names the creases or panels it is about.
 """
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, first_few
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
 from fab.pattern.kinematics import vertices_closure_rad
 from solver.measure import angle_excess, isometry, planarity
@@ -102,20 +102,21 @@ def inspect_angles(pattern: CreasePattern) -> list[Finding]:
     )
     turn = np.abs(measured - pattern.edges_foldAngle)
     off = np.minimum(turn, 360 - turn)
-    one, two = pattern.edges_faces.T
-    off[(one == two) | (pattern.edges_assignment == "C")] = 0.0
+    first, second = pattern.edges_faces.T
+    off[(first == second) | (pattern.edges_assignment == "C")] = 0.0
     wrong = np.flatnonzero(off > _ANGLE_DEG)
     if not len(wrong):
         return []
     worst = int(np.argmax(off))
+    count = len(wrong)
+    differ = "1 stored fold angle differs" if count == 1 else f"{count} stored fold angles differ"
     return [
         Finding(
             "angles-differ",
             Severity.ERROR,
-            f"{len(wrong)} stored fold angles differ from the folded form by over {_ANGLE_DEG:g} "
-            f"degrees; worst is edge {worst}: {pattern.edges_foldAngle[worst]:.6g} stored, "
-            f"{measured[worst]:.6g} folded.",
-            creases=tuple(wrong[:20].tolist()),
+            f"{differ} from the folded form by over {_ANGLE_DEG:g} degrees; worst is edge "
+            f"{worst}: {pattern.edges_foldAngle[worst]:.6g} stored, {measured[worst]:.6g} folded.",
+            creases=first_few(wrong),
         )
     ]
 
@@ -128,32 +129,34 @@ def inspect_closure(pattern: CreasePattern) -> list[Finding]:
         return []
     worst = int(np.argmax(gaps))
     x, y = pattern.vertices_coords[worst]
+    where = "1 vertex" if len(wrong) == 1 else f"{len(wrong)} vertices"
     return [
         Finding(
             "angles-open",
             Severity.WARNING,
-            f"the fold angles around {len(wrong)} vertices do not close by over {_CLOSURE_DEG:g} "
-            f"degrees; worst is vertex {worst} at ({x:.6g}, {y:.6g}) mm, by {gaps[worst]:.4g} "
-            "degrees. Faces cannot stay flat there: change its angles, or add a crease.",
+            f"the fold angles around {where} miss closure by over {_CLOSURE_DEG:g} degrees; worst "
+            f"is vertex {worst} at ({x:.6g}, {y:.6g}) mm, by {gaps[worst]:.4g} degrees. Faces "
+            "cannot stay flat there: change its angles, or add a crease.",
         )
     ]
 
 
 def inspect_crossings(crossings: IntArray) -> list[Finding]:
-    """A finding where faces of the folded form cross: pairs of `fab.crossing`, shape (n, 2).
+    """A finding where faces of the folded form cross: pairs of `crossing_faces`, shape (n, 2).
 
-    A warning: the flat files are as good as ever, but what is folded from them stops short.
+    A warning: the flat files are right, but what is folded from them stops short.
     """
     if not len(crossings):
         return []
-    one, two = crossings[0]
+    first, second = crossings[0]
+    pairs = "1 crossing pair" if len(crossings) == 1 else f"{len(crossings)} crossing pairs"
     return [
         Finding(
             "sheet-crosses-itself",
             Severity.WARNING,
-            f"the folded sheet passes through itself: {len(crossings)} pairs of faces cross, the "
-            f"first are {one} and {two}. The flat sheet can be cut, but no sheet can fold to the "
-            "whole of this shape: grow fewer strips, or change flap angles or lengths.",
+            f"the folded sheet passes through itself: {pairs} of faces, the first {first} and "
+            f"{second}. The flat sheet can be cut, but no sheet can fold to the whole of this "
+            "shape: grow fewer strips, or change flap angles or lengths.",
             panels=tuple(sorted({int(face) for face in crossings[:10].ravel()})),
         )
     ]

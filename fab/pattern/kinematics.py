@@ -1,4 +1,4 @@
-"""Which shape do the fold angles alone give, and where do they not close?
+"""Kinematics of rigid faces: the shape that fold angles alone give, and where they do not close.
 
 Every face is carried along a tree of faces by rigid turns about the creases between them. Where
 angles close, the turns around every interior vertex multiply to the identity (belcastro and Hull
@@ -16,6 +16,7 @@ from fab.geometry.rings import next_corner
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.face_tree import face_tree
 from fab.pattern.open_cuts import edges_between
+from solver.graphs import EdgeIndex
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, scattered, unit
 
 __all__ = ["Kinematics", "fold_by_angles", "next_around", "unknown_angles", "vertices_closure_rad"]
@@ -30,7 +31,7 @@ class Kinematics:
     folded_coords : shape (nv, 3), mm: means over the faces around a vertex. The face in the middle
         of each piece lies as in the flat sheet.
     vertices_closure_rad : shape (nv,), by how much the turns around each interior vertex miss the
-        identity; NaN at the border, and at unassigned creases and slits, which turn as they like.
+        identity; NaN at the border, and at unassigned creases and slits, which turn freely.
     gap_mm : largest distance of a vertex from the places that its faces give to it.
     gap_rad : largest angle by which two faces miss the angle of their crease. Angles may close
         around every vertex and still not around a hole.
@@ -49,7 +50,27 @@ class Kinematics:
 
 
 def fold_by_angles(pattern: CreasePattern) -> Kinematics:
-    """Fold rigid faces by `edges_foldAngle`. Cuts between faces must be open (`fab.opened`)."""
+    """Fold rigid faces by `edges_foldAngle`. Cuts between faces must be open (`opened`).
+
+    A square folded to a right angle along its diagonal:
+
+    >>> from fab.pattern.crease_pattern import CreasePattern
+    >>> from solver.mesh import edges_of
+    >>> corners, offsets = np.array([0, 1, 2, 0, 2, 3]), np.array([0, 3, 6])
+    >>> edges = edges_of(corners, offsets)
+    >>> joined = edges.edges_faces[:, 1] >= 0
+    >>> square = CreasePattern(
+    ...     np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]]),
+    ...     edges.edges_vertices,
+    ...     edges.edges_faces,
+    ...     np.where(joined, "V", "B"),
+    ...     np.where(joined, 90.0, 0.0),
+    ...     corners,
+    ...     offsets,
+    ... )
+    >>> bool(fold_by_angles(square).folded_coords[3, 2].round(9) == 7.071067812)
+    True
+    """
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     turning = np.flatnonzero((pattern.edges_faces[:, 1] >= 0) & ~unknown_angles(pattern))
     ends = flat[pattern.edges_vertices[turning]]
@@ -71,16 +92,13 @@ def fold_by_angles(pattern: CreasePattern) -> Kinematics:
         flat,
     )
     gap = norm(placed - folded[corners]).max(initial=0.0)
-    one, two = pattern.edges_faces[turning].T
-    missed = (
-        Rotation.from_matrix(turn[one] @ turns @ turn[two].swapaxes(1, 2)) if len(one) else None
-    )
-    turned = 0.0 if missed is None else missed.magnitude().max()
-    return Kinematics(folded, vertices_closure_rad(pattern), float(gap), float(turned))
+    first, second = pattern.edges_faces[turning].T
+    missed = _angles(turn[first] @ turns @ turn[second].swapaxes(1, 2)).max(initial=0.0)
+    return Kinematics(folded, vertices_closure_rad(pattern), float(gap), float(missed))
 
 
 def unknown_angles(pattern: CreasePattern) -> BoolArray:
-    """Edges about which faces turn as they like: cuts, and unassigned ones without an angle."""
+    """Edges about which faces turn freely: cuts, and unassigned ones without an angle."""
     letters = pattern.edges_assignment
     free = (letters == "C") | ((letters == "U") & (pattern.edges_foldAngle == 0))
     return np.asarray(free, np.bool_)
@@ -106,14 +124,14 @@ def vertices_closure_rad(pattern: CreasePattern) -> FloatArray:
     _, start = np.unique(corners, return_index=True)
     start = start[~border[corners[start]]]
     product = np.broadcast_to(np.eye(3), (len(start), 3, 3)).copy()
-    here = start.copy()
+    corner = start.copy()
     going = np.ones(len(start), bool)
     while going.any():
-        at = here[going]
+        at = corner[going]
         turn = Rotation.from_rotvec(unit(axis[at]) * angle[at][:, None]).as_matrix()
         product[going] = product[going] @ turn
-        here[going] = beyond[at]
-        going &= here != start
+        corner[going] = beyond[at]
+        going &= corner != start
     out = np.full(count, np.nan)
     out[corners[start]] = _angles(product)
     return out
@@ -126,8 +144,6 @@ def _angles(matrices: FloatArray) -> FloatArray:
 
 def next_around(corners: IntArray, following: IntArray, before: IntArray, count: int) -> IntArray:
     """The corner of the next face counterclockwise around the same vertex; -1 at the border."""
-    ways = corners * count + corners[following]
-    order = np.argsort(ways)
-    wanted = corners * count + corners[before]  # the same side, walked by the face beyond it
-    found = order[np.searchsorted(ways[order], wanted).clip(max=len(ways) - 1)]
-    return np.where(ways[found] == wanted, found, -1)
+    sides = EdgeIndex.of(np.column_stack([corners, corners[following]]), count, directed=True)
+    # the same side, walked by the face beyond it
+    return sides.find(np.column_stack([corners, corners[before]]))

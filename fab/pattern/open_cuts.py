@@ -1,14 +1,13 @@
-"""Which sheet is left when its cuts are open?"""
+"""The sheet that is left when the cuts between its faces are open."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fab.pattern.crease_pattern import CreasePattern
+from solver.graphs import EdgeIndex, labels
 from solver.mesh import edges_of
 from solver.vectors import IntArray
 
@@ -59,17 +58,14 @@ def _separated(pattern: CreasePattern) -> tuple[IntArray, IntArray]:
     """Corners of the faces, with vertices on cuts repeated, and the vertex that each one was."""
     corners, offsets = pattern.faces_vertices, pattern.faces_offsets
     face = np.repeat(np.arange(pattern.face_count), np.diff(offsets))
-    one, two = pattern.edges_faces.T
-    joint = (two >= 0) & (one != two) & (pattern.edges_assignment != "C")
+    joining = pattern.edges_joining
     count = len(pattern.vertices_coords)
     keys = face * count + corners
     order = np.argsort(keys)
-    ends = pattern.edges_vertices[joint].T.ravel()
-    beside = np.tile(pattern.edges_faces[joint].T, 2)
+    ends = pattern.edges_vertices[joining].T.ravel()
+    beside = np.tile(pattern.edges_faces[joining].T, 2)
     first, second = order[np.searchsorted(keys[order], beside * count + ends)]
-    total = len(corners)
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(total, total))
-    _, label = connected_components(graph, directed=False)
+    label = labels(np.column_stack([first, second]), len(corners))
     _, member = np.unique(label, return_index=True)
     ranked = np.argsort(corners[member], kind="stable")
     place = np.empty_like(ranked)
@@ -79,9 +75,4 @@ def _separated(pattern: CreasePattern) -> tuple[IntArray, IntArray]:
 
 def edges_between(pattern: CreasePattern, ends: IntArray) -> IntArray:
     """The pattern's edge between each pair of its vertices, which are sides of its faces."""
-    count = len(pattern.vertices_coords)
-    low, high = np.sort(pattern.edges_vertices, axis=1).T
-    keys = low * count + high
-    order = np.argsort(keys)
-    low, high = np.sort(ends, axis=1).T
-    return np.asarray(order[np.searchsorted(keys[order], low * count + high)], np.int64)
+    return EdgeIndex.of(pattern.edges_vertices, len(pattern.vertices_coords)).find(ends)

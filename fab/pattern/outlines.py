@@ -1,4 +1,4 @@
-"""Along which lines is a pattern cut out, and which cuts lie inside it?"""
+"""Outlines along which a pattern is cut out, and the cuts inside it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from fab.geometry.rings import ring_areas
 from fab.pattern.crease_pattern import CreasePattern
+from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Outlines", "inner_cuts", "outlines_of"]
@@ -76,9 +75,7 @@ def outlines_of(pattern: CreasePattern) -> Outlines:
 def _same_places(points: FloatArray) -> IntArray:
     """For each point the index of the first point in its place, shape (n,)."""
     near = cKDTree(points).query_pairs(_SAME_PLACE_MM, output_type="ndarray")
-    ones = np.ones(len(near), bool)
-    graph = coo_array((ones, (near[:, 0], near[:, 1])), shape=(len(points), len(points)))
-    _, label = connected_components(graph, directed=False)
+    label = labels(near, len(points))
     _, first = np.unique(label, return_index=True)
     out: IntArray = first[label]
     return out
@@ -152,7 +149,7 @@ def _following(coords: FloatArray, sides: IntArray) -> IntArray:
         leaving = order[low[arriving[0]] : high[arriving[0]]].tolist()
         for side in arriving:
             back = angle[side] + np.pi
-            # material lies on the left: clockwise from the way back to the way on
+            # material is on the left: clockwise from the arriving side to the leaving one
             turns = np.mod(back - angle[leaving], 2 * np.pi)
             follow[side] = leaving.pop(int(np.argmin(turns)))
     return follow
@@ -161,9 +158,9 @@ def _following(coords: FloatArray, sides: IntArray) -> IntArray:
 def _chains(coords: FloatArray, pairs: list[tuple[int, ...]]) -> FloatArray:
     """Cuts joined head to tail, straight on where several go on; straight runs become one cut."""
     at: defaultdict[int, set[int]] = defaultdict(set)
-    for one, two in pairs:
-        at[one].add(two)
-        at[two].add(one)
+    for a, b in pairs:
+        at[a].add(b)
+        at[b].add(a)
     # chains begin at their ends, closed ones anywhere
     starts = sorted(at, key=lambda vertex: (len(at[vertex]) % 2 == 0, vertex))
     cuts: list[tuple[FloatArray, FloatArray]] = []
@@ -172,11 +169,11 @@ def _chains(coords: FloatArray, pairs: list[tuple[int, ...]]) -> FloatArray:
             vertex, heading = start, None
             fresh = True
             while at[vertex]:
-                ways = sorted(at[vertex])
-                arms = coords[ways] - coords[vertex]
+                neighbours = sorted(at[vertex])
+                arms = coords[neighbours] - coords[vertex]
                 arms /= np.hypot(arms[:, 0], arms[:, 1])[:, None]
                 chosen = 0 if heading is None else int(np.argmax(arms @ heading))
-                onward = ways[chosen]
+                onward = neighbours[chosen]
                 at[vertex].remove(onward)
                 at[onward].remove(vertex)
                 turn = arms[chosen]

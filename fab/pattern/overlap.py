@@ -7,6 +7,7 @@ import shapely
 
 from fab.geometry.rings import ring_areas
 from solver.errors import InvalidValue
+from solver.graphs import edge_keys
 from solver.mesh import Edges, boundary_loops
 from solver.vectors import FloatArray, IntArray
 
@@ -34,8 +35,8 @@ def overlapping_faces(
     except InvalidValue:  # an outline that touches itself in a vertex proves nothing
         loops = []
     areas = ring_areas(flat[corner], offsets)
-    same_way = len(loops) == 1 and areas.min() > 0
-    if same_way and shapely.is_valid(shapely.polygons(flat[loops[0]])):
+    one_winding = len(loops) == 1 and areas.min() > 0
+    if one_winding and shapely.is_valid(shapely.polygons(flat[loops[0]])):
         return np.empty((0, 2), np.int64)
     return _overlapping_pairs(flat[corner], offsets)
 
@@ -47,12 +48,12 @@ def _overlapping_pairs(corners: FloatArray, offsets: IntArray) -> IntArray:
     valid = shapely.is_valid(shapes)
     crossed = np.flatnonzero(~valid)
     plain = np.flatnonzero(valid)
-    # rounding lays neighbours on each other by slivers: a face overlaps what it meets when shrunk.
-    # A yes or no about two shapes is exact, where their common area may fail to be built.
+    # by rounding, neighbours overlap in slivers: a face overlaps what it meets when shrunk.
+    # Whether two shapes meet is decided exactly, where their common area may fail to be built.
     contact = _CONTACT_REL * float(np.hypot(*np.ptp(corners, axis=0)))
     shrunk = shapely.buffer(shapes[plain], -contact, join_style="mitre")
-    one, two = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
-    pairs = np.sort(np.column_stack([one, two])[one != two], axis=1)
-    keys = np.unique(pairs[:, 0] * len(shapes) + pairs[:, 1])
+    first, second = plain[shapely.STRtree(shapes[plain]).query(shrunk, predicate="intersects")]
+    pairs = np.column_stack([first, second])[first != second]
+    keys = np.unique(edge_keys(pairs, len(shapes)))
     overlapping = np.column_stack(np.divmod(keys, len(shapes)))
     return np.concatenate([np.column_stack([crossed, crossed]), overlapping]).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What does it look like: the folded form beside its crease pattern, as a PNG?"""
+"""Picture of a sheet: the folded form beside its crease pattern, as a PNG."""
 
 from __future__ import annotations
 

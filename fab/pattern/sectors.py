@@ -1,4 +1,4 @@
-"""Which lines meet at each vertex, in which order, and at what angles?"""
+"""Sectors at the vertices of a pattern: the lines that meet there, in order, and their angles."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Does the folded sheet pass through itself, and which of its faces cross?
+"""Self-intersection of a folded sheet: the pairs of faces that cross.
 
 Two faces A and B cross where a segment of the line in which their planes meet runs inside both.
-Seen from the front, with B's plane edge on along the line:
+Seen from the front, with B's plane edge-on along the line:
 
       +---------+              A+  the parts of the line that have A just above them
       |    A    |              A-  the parts that have A just below them
@@ -32,7 +32,7 @@ CONTACT_REL = 1e-9
 # Corners known to 1e-12 of the diagonal tilt a plane by that over the face's width; over its length
 # this makes 8e-12 for each unit of (distance of a corner from the middle)^2 / area.
 _TILT_REL = 1e-11
-# Boxes are looked up for so many faces at a time: this bounds the memory, not the answer.
+# Faces whose boxes are looked up at a time: this bounds the memory, not the answer.
 _FACES_AT_ONCE = 4096
 
 
@@ -59,7 +59,7 @@ def crossing_faces(
     Parameters
     ----------
     folded_coords : shape (nv, 3), in any unit.
-    faces_vertices, faces_offsets : plane polygons of any size, see `fab.crease`.
+    faces_vertices, faces_offsets : plane polygons of any size, see `fab.pattern.crease_pattern`.
 
     Faces that touch do not cross, whether in a shared vertex or edge, in a point, along a line or
     face on face, as in a sheet folded flat. They cross where each reaches through the other's plane
@@ -70,6 +70,13 @@ def crossing_faces(
     the sheet runs exactly along a crease of another no two interiors cross: this is not reported.
 
     Cost: O(n log n) for a sheet that is spread out, more where many faces lie above one another.
+
+    An upright square that passes through a flat one:
+
+    >>> flat = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> upright = np.array([[1, 1, -1], [1, 3, -1], [1, 3, 1], [1, 1, 1]])
+    >>> crossing_faces(np.vstack([flat, upright]) * 1.0, np.arange(8), np.array([0, 4, 8])).tolist()
+    [[0, 1]]
     """
     faces, diagonal = _faces(folded_coords, faces_vertices, faces_offsets)
     found = [np.empty((0, 2), np.int64)]
@@ -78,15 +85,15 @@ def crossing_faces(
         return found[0]  # folded flat: no face has room to pass through another
     tree = shapely.STRtree(boxes)
     for start in range(0, len(boxes), _FACES_AT_ONCE):
-        one, two = tree.query(boxes[start : start + _FACES_AT_ONCE])
-        one = one + start
-        near = (one < two) & (low[one] <= high[two]) & (low[two] <= high[one])
-        one, two = one[near], two[near]
+        first, second = tree.query(boxes[start : start + _FACES_AT_ONCE])
+        first = first + start
+        near = (first < second) & (low[first] <= high[second]) & (low[second] <= high[first])
+        first, second = first[near], second[near]
         for swap in (False, True):
-            through = _reaches_through(faces, *((two, one) if swap else (one, two)))
-            one, two = one[through], two[through]
-        cut = _meet_inside(faces, one, two)
-        found.append(np.column_stack([one[cut], two[cut]]))
+            through = _reaches_through(faces, *((second, first) if swap else (first, second)))
+            first, second = first[through], second[through]
+        cut = _meet_inside(faces, first, second)
+        found.append(np.column_stack([first[cut], second[cut]]))
     pairs = np.concatenate(found)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
@@ -147,16 +154,16 @@ def _reaches_through(faces: _Faces, of: IntArray, over: IntArray) -> BoolArray:
     return out
 
 
-def _meet_inside(faces: _Faces, one: IntArray, two: IntArray) -> BoolArray:
+def _meet_inside(faces: _Faces, first: IntArray, second: IntArray) -> BoolArray:
     """Whether A+, A-, B+ and B- of the module's drawing have a segment in common, shape (pairs,).
 
     Every place where a side of a polygon crosses the line is where one of the four begins or ends.
     """
-    if len(one) == 0:
+    if len(first) == 0:
         return np.zeros(0, bool)
-    line = unit(cross(faces.normals[one], faces.normals[two]))
+    line = unit(cross(faces.normals[first], faces.normals[second]))
     pairs, places, kinds = [], [], []
-    for face, (of, over) in enumerate(((one, two), (two, one))):
+    for face, (of, over) in enumerate(((first, second), (second, first))):
         height, corner, pair, starts = _heights(faces, of, over)
         following = next_corner(starts)
         along = dot(faces.corners[corner], line[pair])
@@ -174,8 +181,8 @@ def _meet_inside(faces: _Faces, one: IntArray, two: IntArray) -> BoolArray:
     begins_or_ends = np.concatenate(kinds)[order][:, None] == np.arange(4)
     # sides cross the line an even number of times, so that no pair leaves anything to the next
     inside = (np.cumsum(begins_or_ends, axis=0) % 2 == 1).all(axis=1)[:-1]
-    slack = np.maximum(faces.slack[one], faces.slack[two])
+    slack = np.maximum(faces.slack[first], faces.slack[second])
     common = inside & (np.diff(place) > slack[pair[:-1]])
-    out = np.zeros(len(one), bool)
+    out = np.zeros(len(first), bool)
     out[pair[:-1][common]] = True
     return out

@@ -158,13 +158,12 @@ def make_plates(
         cure = "Lower thickness_mm or gap_mm, or enlarge the sheet."
         raise InvalidValue("panels", 0, "be at least 1", cure)
     steps = 2 * pattern.face_count
-    joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
-    flat = _flat(sheet, joined, bed_mm, room, settings)
+    flat = _flat(sheet, pattern.edges_joining, bed_mm, room, settings)
     sets = _face_sets(sheet, partition(flat, lambda done, _: progress(done, steps)))
     owner = np.full(pattern.face_count, -1)
     for number, faces in enumerate(sets):
         owner[faces] = number
-    inner = np.flatnonzero(joined)
+    inner = np.flatnonzero(pattern.edges_joining)
     inner = inner[(owner[pattern.edges_faces[inner]] >= 0).all(axis=1)]
     _, rank = assembly_order(owner[pattern.edges_faces[inner]], len(sets))
     owner = np.where(owner >= 0, rank[owner], -1)

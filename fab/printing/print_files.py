@@ -163,9 +163,9 @@ def _checked(
 
 def _require_resolved(sheet: ThickSheet) -> None:
     """Raise `InvalidJob` where files in single precision do not resolve the panels' thickness."""
-    from fab.geometry.booleans import told_apart_mm
+    from fab.geometry.booleans import resolution_mm
 
-    thickness, nearest = sheet.panel.thickness_mm, told_apart_mm(sheet.bodies)
+    thickness, nearest = sheet.panel.thickness_mm, resolution_mm(sheet.bodies)
     if thickness <= nearest:
         width = float(np.ptp(sheet.pattern.vertices_coords, axis=0).max())
         raise InvalidJob(

@@ -16,7 +16,7 @@ from fab.geometry.bodies import Bodies, TriangleMesh
 from fab.outputs import zip_bytes
 from fab.panels.body_colours import FILM, HINGE, PANEL, Rgb
 from fab.panels.thick_sheet import ThickSheet
-from solver.errors import InvalidValue
+from solver.errors import InvalidState
 from solver.vectors import BoolArray, IntArray
 
 __all__ = ["Part", "PrintObject", "body_parts", "sheet_parts", "threemf_bytes"]
@@ -98,7 +98,7 @@ def threemf_bytes(objects: Sequence[PrintObject], name: str) -> bytes:
     Raises `InvalidValue` without a triangle.
     """
     if not sum(len(part.mesh.triangles) for each in objects for part in each.parts):
-        raise InvalidValue("objects", len(objects), "have triangles", "Give a sheet with panels.")
+        raise InvalidState("objects", "no object has a triangle", "Give a sheet with panels.")
     return zip_bytes(
         {
             "[Content_Types].xml": _TYPES.encode(),

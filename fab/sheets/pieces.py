@@ -158,7 +158,7 @@ def split(
         raise InvalidValue("faces", 0, "be at least 1", "Give a pattern with faces.")
     width, height = (length - 2 * border for length in bed_mm)
     told = f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less {border:g} mm on each side ({kept})"
-    joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
+    joined = pattern.edges_joining
     closing, closing_angle = closing_edges(pattern)
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True

@@ -29,7 +29,7 @@ from fab.sheets.materials import Machine, Material, Speeds, perforation_for
 from fab.sheets.perforation import crease_findings, cut_piece
 from fab.sheets.pieces import Piece, Pieces, SheetSplit, split
 from fab.sheets.registration import Registration, how_to_turn, two_sided
-from solver.errors import InvalidValue, require_count
+from solver.errors import InvalidState, InvalidValue, require_count
 
 __all__ = ["fabricate", "scaled", "sheet_names", "sheets"]
 
@@ -188,7 +188,7 @@ def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
         ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
     ]
     if not rings:
-        raise InvalidValue("sheet", "narrower than the kerf", "be wider", "Enlarge it.")
+        raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
     return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 

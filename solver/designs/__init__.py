@@ -1,4 +1,11 @@
-"""Which designs are there? Each is one short module that reads like its paragraph in the paper."""
+"""Designs of the paper's figures, by name in `DESIGNS`.
+
+Each is one short module that reads like its paragraph in the paper: a frozen dataclass of its
+parameters, in radians and design units, whose `grow` gives a `solver.Growth`.
+
+>>> DESIGNS["miura"](columns=4, rows=3).grow().strips
+2
+"""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
-from solver.errors import InvalidValue, require_within
+from solver.errors import InvalidState, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import FloatArray, norm
@@ -56,10 +56,10 @@ class BrownianRibbon:
                     width_share=self.width_share,
                     progress=progress,
                 )
-        raise InvalidValue(
+        raise InvalidState(
             "turn",
+            f"none of {_DRAWS} walks has room to fold at every vertex for a turn of "
             f"{self.turn:.6g} rad",
-            f"leave room to fold at every vertex of one of {_DRAWS} walks",
             "Use a smaller turn, or another number of steps.",
         )
 
@@ -90,10 +90,9 @@ def ribbon(
     sizes = norm(np.diff(walk, axis=0))
     outer = _outer_radius(sizes, turn)
     if outer is None:
-        raise InvalidValue(
+        raise InvalidState(
             "turn",
-            f"{turn:.6g} rad",
-            "be reached by the chords: one step is longer than all others together",
+            f"no chords turn by {turn:.6g} rad: one step is longer than all others together",
             "Use more steps, or a smaller turn.",
         )
     base = np.arccos(sizes / (2 * outer))  # base angles of the triangles over the centre

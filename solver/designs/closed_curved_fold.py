@@ -63,7 +63,7 @@ class ClosedCurvedFold:
             raise InvalidValue(
                 "curve", self.curve, f"be one of {', '.join(CLOSED_CURVES)}", "circle is simplest."
             )
-        require_count("columns", self.columns, 4, "A zigzag goes to and fro at least twice.")
+        require_count("columns", self.columns, 4, "A zigzag turns at least four times.")
         if self.columns % 2:
             raise InvalidValue("columns", self.columns, "be even", "A zigzag closes in pairs.")
         require_length("zigzag", abs(self.zigzag))
@@ -96,7 +96,7 @@ class ClosedCurvedFold:
 
 
 def closed_zigzag(amplitudes: FloatArray, columns: int, zigzag: float) -> FloatArray:
-    """Vertices to and fro across a closed curve along its principal normal, shape (columns, 3).
+    """Vertices on alternating sides of a closed curve, along its normal, shape (columns, 3).
 
     amplitudes : of x (cosines), y and z (sines) for each harmonic 1, 2, ..., shape (h, 3).
     """

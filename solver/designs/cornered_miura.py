@@ -28,7 +28,7 @@ class CorneredMiura:
 
     Attributes
     ----------
-    columns, rows : number of quads each way of the whole Miura sheet.
+    columns, rows : number of quads in each direction of the whole Miura sheet.
     corner_column, corner_row : quads to the left of the corner and below it.
     sector_angle, fold : see `solver.seeds.miura`.
     strips : how many go around the corner; at most as many as fill it where they match.
@@ -57,7 +57,7 @@ class CorneredMiura:
         ):
             if not least <= value <= most:
                 cure = "The part above the corner needs two columns and two rows or more."
-                raise InvalidValue(name, value, f"lie from {least} to {most}", cure)
+                raise InvalidValue(name, value, f"be from {least} to {most}", cure)
         sheet = Miura(self.columns, self.rows, self.sector_angle, self.fold).grow().mesh
         whole = sheet.vertices_coords[sheet.grid]
         cornered = self._cornered(whole)
@@ -66,12 +66,12 @@ class CorneredMiura:
             return grow_corner(cornered, self.strips, lambda _: strip, progress=progress)
         first = grow_pentagon(cornered, CornerStrip(self._lengths))
 
-        def told(done: int, _: int) -> None:
+        def advanced(done: int, _: int) -> None:
             if progress is not None:
                 progress(done + 1, self.strips)
 
         if first.strips:
-            told(0, 0)
+            advanced(0, 0)
         if first.strips in (0, self.strips):
             return first
 
@@ -81,7 +81,7 @@ class CorneredMiura:
             u = front.edges_direction
             return Strip(float(flap_angle_of(-u[0], u[1], ahead)), self._lengths)
 
-        growth = grow(first.mesh, self.strips - 1, choose, progress=told)
+        growth = grow(first.mesh, self.strips - 1, choose, progress=advanced)
         return replace(growth, strips=growth.strips + 1)
 
     def _cornered(self, whole: FloatArray) -> QuadMesh:

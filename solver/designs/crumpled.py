@@ -11,12 +11,12 @@ from solver import seeds
 from solver.errors import InvalidValue, require_count, require_length, require_number
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
-from solver.transfer import prefix_products, transform
+from solver.transfer import transfer_flap_angles
 from solver.vectors import FloatArray
 
 __all__ = ["Crumpled"]
 
-# How many flap angles a strip looks at for those that fold away from the strip before.
+# Flap angles that a strip tries, for those that fold away from the strip before.
 _TRIALS = 256
 
 
@@ -26,11 +26,11 @@ class Crumpled:
 
     Attributes
     ----------
-    columns, strips : number of quads each way, the seed's strip included.
+    columns, strips : number of quads in each direction, the seed's strip included.
     beta, k : angles of the seed's front, radians.
     power : p of the lengths X (1 - k/2pi)^p, X uniform in (0.1, 0.9) of the length's bound:
         the larger, the more a strip shrinks towards flat regions.
-    length_limit : stands for the bound of a crease whose neighbours do not meet it (nearby).
+    length_limit : taken as the bound of a crease that its neighbours do not meet (nearby).
     seed_deviation : standard deviation of the seed's crease lengths about 1 (normal, positive).
     random_seed : the same number gives the same sheet.
     """
@@ -53,7 +53,7 @@ class Crumpled:
         for name, value in (("power", self.power), ("seed_deviation", self.seed_deviation)):
             require_number(name, value)
             if not 0 <= value <= 20:
-                raise InvalidValue(name, value, "lie from 0 to 20", "Try the default.")
+                raise InvalidValue(name, value, "be from 0 to 20", "Try the default.")
         random = np.random.Generator(np.random.PCG64(self.random_seed))
         lengths = _positive_normal(random, self.columns + 1, abs(self.seed_deviation))
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)
@@ -88,7 +88,7 @@ def _flap_angle(front: Front, random: np.random.Generator) -> float:
     the longest run is drawn: its ends nearly lock some vertex, and rows would close up there.
     """
     trials = (np.arange(_TRIALS, dtype=np.float64) + random.uniform()) * (2 * np.pi / _TRIALS)
-    flap_angles = transform(prefix_products(front.couplings, front.deltas), trials)
+    flap_angles = transfer_flap_angles(front.transfer_matrices, trials)
     away = front.away_from_back(flap_angles).sum(axis=0)
     best = np.flatnonzero(away == away.max())
     # runs on the circle: start after a gap, so that no run passes the end of the list

@@ -25,7 +25,7 @@ class Miura:
 
     Attributes
     ----------
-    columns, rows : number of quads each way.
+    columns, rows : number of quads in each direction.
     sector_angle, fold, zigzag_length, crease_length : see `solver.seeds.miura`.
     """
 

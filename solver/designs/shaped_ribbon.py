@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
-from solver.errors import InvalidValue, require_within
+from solver.errors import InvalidState, InvalidValue, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import ComplexArray, FloatArray, angle_between, full_turn, norm
@@ -80,10 +80,10 @@ class ShapedRibbon:
             k = _room_to_fold(walk, OUTLINES[self.outline])
             if k is not None:
                 return grow(seeds.curve(walk), 1, self._strip(k), k=k, progress=progress)
-        raise InvalidValue(
+        raise InvalidState(
             "steps",
-            self.steps,
-            f"leave room to fold at every vertex of one of {_DRAWS} walks along the {self.outline}",
+            f"none of {_DRAWS} walks of {self.steps} steps has room to fold at every vertex along "
+            f"the {self.outline}",
             "Use more steps.",
         )
 
@@ -113,14 +113,14 @@ def _room_to_fold(walk: FloatArray, outline: Outline) -> FloatArray | None:
 def chords(outline: Outline, sizes: FloatArray) -> ComplexArray | None:
     """Points from end to end of an outline whose distances have the ratios of `sizes`, (m,).
 
-    Newton's method for the logarithms of the distances, from the points whose ways along the
+    Newton's method for the logarithms of the distances, from the points whose arc lengths along the
     outline have these ratios. Returns shape (m + 1,); None where that leads nowhere.
     """
     fine = np.linspace(0.0, 1.0, 4001)
-    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(outline(fine)[0])))])
+    arc = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(outline(fine)[0])))])
     ends = np.concatenate([[0.0], np.cumsum(sizes)])
-    t = np.interp(ends / ends[-1], way / way[-1], fine)
-    scale = way[-1] / ends[-1]
+    t = np.interp(ends / ends[-1], arc / arc[-1], fine)
+    scale = arc[-1] / ends[-1]
     count = len(sizes)
     for _ in range(30):
         point, slope = outline(t)

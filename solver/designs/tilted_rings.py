@@ -19,7 +19,7 @@ from solver.errors import (
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh
-from solver.transfer import Closing, apply_each, inverses, prefix_products
+from solver.transfer import Closing, inverse_matrices, transfer_each
 from solver.vectors import FloatArray, angle_between
 from solver.vertex import even_flap_angles
 
@@ -121,9 +121,9 @@ def _folded_strip(front: Front, lengths: Callable[[Rays], FloatArray]) -> Strip 
         for share in _SHARES
     ]
     # on a fine ring creases meet early except near even sectors at some vertex
-    matrices = inverses(prefix_products(front.couplings, front.deltas))
+    matrices = inverse_matrices(front.transfer_matrices)
     for angles in even_flap_angles(front.beta, front.k):
-        even = apply_each(matrices, angles[:, None])[:, 0]
+        even = transfer_each(matrices, angles[:, None])[:, 0]
         candidates += even[contain(free, even)].tolist()
     reached = [angle for angle in candidates if _usable(front.rays(angle), lengths)]
     if not reached:

@@ -1,4 +1,4 @@
-"""Which random walks in space are there for a ribbon to run along?"""
+"""Random walks in space for ribbons to run along."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ROOM = 1e-3
 
 
 def random_walks(steps: int, random_seed: int, draws: int) -> Iterator[FloatArray]:
-    """So many walks from the origin, shape (steps + 1, 3); the same seed gives the same ones.
+    """Up to `draws` walks from the origin, shape (steps + 1, 3); the same seed gives the same ones.
 
     Each step is normally distributed in x, y and z. Raises `InvalidValue` for fewer than 3 steps
     and for a negative seed.

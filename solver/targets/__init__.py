@@ -1,1 +1,33 @@
-"""..."""
+"""Target surfaces of `solver.fit_surface`: what a sheet follows, between two offsets of it.
+
+A `Target` gives points, unit normals, signed distances and a domain, all by places whose first two
+numbers are the parameters u and v in [-1, 1]. Five kinds are here; any class with the methods of
+`Target` is one more.
+
+| surface | class or function | module |
+|---|---|---|
+| X(u, v) | `ParametricSurface` | `parametric` |
+| z = f(x, y) | `explicit_surface` | `parametric` |
+| g(x, y, z) = 0 within a `Frame` | `ImplicitSurface` | `implicit` |
+| triangle or quad mesh, from arrays or from an STL, OBJ or PLY file | `MeshSurface` | `mesh` |
+| any of these with u and v turned | `TurnedTarget` | `parametric` |
+
+`ray_hit` (module `base`) finds where rays meet an offset of any of them.
+"""
+
+from solver.targets.base import Target, ray_hit
+from solver.targets.frame import Frame
+from solver.targets.implicit import ImplicitSurface
+from solver.targets.mesh import MeshSurface
+from solver.targets.parametric import ParametricSurface, TurnedTarget, explicit_surface
+
+__all__ = [
+    "Frame",
+    "ImplicitSurface",
+    "MeshSurface",
+    "ParametricSurface",
+    "Target",
+    "TurnedTarget",
+    "explicit_surface",
+    "ray_hit",
+]

@@ -1,4 +1,4 @@
-"""Which surface shall a sheet follow: its points, its normals, and where a ray meets its offset?"""
+"""Target surfaces: what surface fitting asks of them, and rays that meet their offsets."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ import numpy as np
 
 from solver.vectors import BoolArray, FloatArray, dot
 
-__all__ = ["Target", "ray_hit"]
+__all__ = ["MOST_STEPS", "Target", "largest_step", "ray_hit", "settled"]
 
-_STEPS = 60
+# Steps of Newton's method towards nearest points and ray hits.
+MOST_STEPS = 60
 # Steps this small do not count; steps below the second number that no longer shrink are rounding.
 _EXACT = 1e-15
 _ROUNDING = 1e-9
-# A ray whose last step is longer, relative to its length, found nothing: it goes round in circles.
+# A ray whose last step is longer, relative to its length, found nothing: its steps go in circles.
 _SETTLED = 1e-11
 
 
-def _settled(now: float, before: float) -> bool:
+def settled(now: float, before: float) -> bool:
     """Whether relative steps of this size, after such ones before, are worth no further one."""
     return now <= _EXACT or (now < _ROUNDING and now > before / 2)
 
@@ -52,8 +53,8 @@ class Target(Protocol):
         """Whether places belong to the domain, not to the surface's continuation, shape (n,)."""
 
 
-def _largest(steps: FloatArray) -> float:
-    """Largest size among the numbers; those that are none have failed and do not count."""
+def largest_step(steps: FloatArray) -> float:
+    """Largest size among the numbers; NaN and infinity have failed and do not count."""
     return float(np.max(np.abs(steps), initial=0.0, where=np.isfinite(steps)))
 
 
@@ -69,13 +70,20 @@ def ray_hit(
     origins, directions : shape (n, 3); guess : places near the origins. Newton on the signed
     distance, whose derivative along a ray is gradient . direction. A ray that does not meet the
     offset in front of it gives NaN.
+
+    >>> from solver.targets import explicit_surface
+    >>> plane = explicit_surface(lambda x, y: 0 * x)
+    >>> origin, up = np.array([[0.2, 0.3, 0.0]]), np.array([[0.0, 0.6, 0.8]])
+    >>> lengths, places = ray_hit(plane, origin, up, 0.4, origin[:, :2])
+    >>> lengths.round(12), places.round(12)
+    (array([0.5]), array([[0.2, 0.6]]))
     """
     lengths = np.zeros(len(origins))
     places = guess.copy()
     missed: BoolArray = np.zeros(len(origins), bool)
     before = np.inf
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        for _ in range(_STEPS):
+        for _ in range(MOST_STEPS):
             points = origins + lengths[:, None] * directions
             distance, gradient, found = target.distance(points, places)
             places = np.where(missed[:, None], guess, found)
@@ -83,8 +91,8 @@ def ray_hit(
             lengths = lengths + step
             missed |= ~np.isfinite(lengths)
             lengths[missed] = 0.0
-            now = _largest(step / (1 + np.abs(lengths)))
-            if _settled(now, before):
+            now = largest_step(step / (1 + np.abs(lengths)))
+            if settled(now, before):
                 break
             before = now
     unsettled = np.abs(step) > _SETTLED * (1 + np.abs(lengths))

@@ -1,4 +1,4 @@
-"""Where on a surface without parameters do u and v lie: a box in space, seen along one axis?"""
+"""Parameters u and v of a surface that has none: a box in space, seen along one axis."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from solver.vectors import FloatArray, cross, norm, unit
 
 __all__ = ["Frame", "vector"]
 
-# Two ways to lay the box count as equally tight below this difference of their areas.
+# Two boxes are equally tight where their areas differ by less than this share.
 _TIE = 1e-3
 
 
@@ -60,6 +60,10 @@ class Frame:
 
         Without `rows`, u runs along the coordinate axis that is the most perpendicular to `up`,
         the first of those that nearly tie: up = z gives u = x and v = y.
+
+        >>> frame = Frame.along([0, 0, 2], half_widths=(2.0, 1.0, 0.5))
+        >>> frame.coordinates(np.array([1.0, 1.0, 0.25])).tolist()
+        [0.5, 1.0, 0.5]
         """
         third = vector("up", up)
         if rows is None:

@@ -1,4 +1,4 @@
-"""How does a sheet follow the surface on which a function of space is zero?"""
+"""Implicit surfaces: where a function of space is zero."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NEAR = 1e-6
 
 @dataclass(frozen=True)
 class ImplicitSurface:
-    """The surface value(points) = 0 within a box; its normals point to where the value is positive.
+    """The surface value(points) = 0 within a box; normals point to where the value is positive.
 
     Places are (u, v, x, y, z). The surface goes on beyond the box as the function does.
 
@@ -33,7 +33,16 @@ class ImplicitSurface:
     frame : the box. Of several sheets the uppermost counts, where they lie further apart than the
         box's height / 128.
     gradient : points (n, 3) to the gradients (n, 3) of `value`; None: central differences of it,
-        with an error of about 1e-10 of the box, and in the direction of normals alike.
+        with an error of about 1e-10 of the box, as have the directions of normals.
+
+    >>> def sphere(points):
+    ...     return (points**2).sum(axis=1) - 1
+    >>> surface = ImplicitSurface(sphere, Frame.along([0, 0, 1]), lambda points: 2 * points)
+    >>> places = surface.places(np.array([[0.6, 0.0]]))
+    >>> surface.point(places).round(12).tolist()
+    [[0.6, 0.0, 0.8]]
+    >>> surface.distance(np.array([[0.0, 0.0, 3.0]]), places)[0].round(12).tolist()
+    [2.0]
     """
 
     value: Callable[[FloatArray], FloatArray]
@@ -119,7 +128,7 @@ class ImplicitSurface:
         return dot(points - x, normal), normal, places
 
     def inside(self, places: FloatArray) -> BoolArray:
-        """Whether places lie in the square of the parameters, shape (n,)."""
+        """Whether places are in the square of the parameters, shape (n,)."""
         inside: BoolArray = np.abs(places[:, :2]).max(axis=1) <= 1 + 1e-9
         return inside & ~np.isnan(places[:, 2])
 

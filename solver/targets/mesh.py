@@ -1,4 +1,4 @@
-"""How does a sheet follow a mesh of triangles or quads, and what lies beyond the mesh's rim?"""
+"""Surfaces of triangle and quad meshes, continued beyond their rim and over their holes."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from solver.errors import InvalidValue, require_count, require_length
+from solver.errors import InvalidState, InvalidValue, require_count, require_length
+from solver.graphs import edge_keys, labels
 from solver.targets.frame import Frame, vector
 from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm, unit
 
@@ -24,7 +23,7 @@ _FORMATS = ("obj", "ply", "stl")
 # Vertices closer than this are one, triangles flatter than this have no area, in sizes of the mesh.
 _SAME = 1e-9
 _FLAT = 1e-12
-# Feet whose barycentric coordinate is below this lie on the opposite edge.
+# Feet whose barycentric coordinate is below this are on the opposite edge.
 _ON_EDGE = 1e-9
 # Width of the skirt in diagonals of the mesh, and how far the rim may lean over.
 _SKIRT = 0.5
@@ -76,7 +75,7 @@ class MeshSurface:
         try:
             mesh = trimesh.load_mesh(file, file_type=ending, process=False)
         except Exception as error:  # readers of foreign files raise all kinds
-            cure = f"trimesh says: {error!r}. Export it once more."
+            cure = f"trimesh reports {error!r}. Export it again."
             raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
         triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
         if not len(triangles):
@@ -99,7 +98,7 @@ class MeshSurface:
         """The surface of a mesh of at most a million triangles, or of quads.
 
         Repaired: vertices that coincide, vertices of no face, faces without area, repeated faces,
-        faces wound the other way round than their neighbours. Refused, with `InvalidValue`: edges
+        faces wound against their neighbours. Refused, with `InvalidValue`: edges
         of three faces, one-sided meshes, several pieces, rims along which no skirt can be laid.
 
         faces : (m, 3), or (m, 4): quads, cut along their shorter diagonals.
@@ -108,6 +107,13 @@ class MeshSurface:
         rows : direction of v. Default: the shorter side of the tightest rectangle around the mesh.
         half_widths : of the domain along u and v, about the middle; default: around all of the
             mesh.
+
+        >>> corners = np.array([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]])
+        >>> surface = MeshSurface.from_faces(corners, np.array([[0, 1, 2, 3]]))
+        >>> point = np.array([[1.0, 2.0, 0.7]])
+        >>> distance, gradient, places = surface.distance(point, point)
+        >>> distance.tolist(), places[0, 2:5].round(9).tolist()
+        ([0.7], [1.0, 2.0, 0.0])
         """
         coords, triangles = _checked(vertices_coords, faces)
         coords, triangles = _merged(coords, triangles)
@@ -210,7 +216,7 @@ class MeshSurface:
         return gap, gradient, places
 
     def inside(self, places: FloatArray) -> BoolArray:
-        """Whether places lie on the mesh itself and in the square of the parameters, (n,)."""
+        """Whether places are on the mesh itself and in the square of the parameters, (n,)."""
         within = np.abs(places[:, :2]).max(axis=1) <= 1 + 1e-9
         inside: BoolArray = within & (places[:, 5] < self.own)
         return inside
@@ -274,11 +280,11 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
     if numbers.min() < 0 or numbers.max() >= len(coords):
         bad = int(numbers.min() if numbers.min() < 0 else numbers.max())
         bound = f"name vertices, from 0 to {len(coords) - 1}"
-        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it once more.")
+        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it again.")
     lost = ~np.isfinite(coords).all(axis=1)
     if lost.any():
         vertex = int(np.flatnonzero(lost)[0])
-        cure = f"It is vertex {vertex}: export the mesh once more."
+        cure = f"It is vertex {vertex}: export the mesh again."
         raise InvalidValue("vertices_coords", coords[vertex].tolist(), "be finite", cure)
     triangles = numbers.astype(np.int64)
     if triangles.shape[1] == 4:
@@ -293,10 +299,10 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
 def _quads_again(triangles: IntArray) -> IntArray | None:
     """The quads (m, 4) that trimesh cut into first halves abc, then second halves cda; or None."""
     half, odd = divmod(len(triangles), 2)
-    one, two = triangles[:half], triangles[half:]
-    if odd or not (np.array_equal(one[:, 2], two[:, 0]) and np.array_equal(one[:, 0], two[:, 2])):
+    first, second = triangles[:half], triangles[half:]
+    if odd or not np.array_equal(first[:, [2, 0]], second[:, [0, 2]]):
         return None
-    return np.column_stack([one, two[:, 1]])
+    return np.column_stack([first, second[:, 1]])
 
 
 def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArray]:
@@ -305,8 +311,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     size = float(np.linalg.norm(np.ptp(coords[used], axis=0)))
     require_length("size of the mesh", size)
     pairs = cKDTree(coords[used]).query_pairs(_SAME * size, output_type="ndarray")
-    links = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(used),) * 2)
-    _, group = connected_components(links, directed=False)
+    group = labels(pairs, len(used))
     _, first = np.unique(group, return_index=True)
     place = np.empty(len(coords), np.int64)
     place[used] = group
@@ -323,7 +328,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
 
 
 def _oriented(triangles: IntArray) -> IntArray:
-    """Triangles wound alike; refuses edges of three faces, one-sided meshes and several pieces."""
+    """Triangles in one winding; refuses edges of three faces, one-sided meshes, several pieces."""
     count = int(triangles.max()) + 1
     edges, number = _edges(triangles, count)
     uses = np.bincount(number.ravel())
@@ -333,36 +338,34 @@ def _oriented(triangles: IntArray) -> IntArray:
         raise InvalidValue("faces at an edge", int(uses[edge]), "be 1 or 2", cure)
     face = np.argsort(number.ravel(), kind="stable") // 3
     begin = np.concatenate([[0], np.cumsum(uses)[:-1]])[uses == 2]
-    links = csr_array(
-        (np.ones(len(begin)), (face[begin], face[begin + 1])), shape=(len(triangles),) * 2
-    )
-    pieces, piece = connected_components(links, directed=False)
-    if pieces > 1:
-        sizes = np.sort(np.bincount(piece))[::-1]
+    sizes = np.bincount(labels(np.column_stack([face[begin], face[begin + 1]]), len(triangles)))
+    if len(sizes) > 1:
+        sizes = np.sort(sizes)[::-1]
         cure = f"They have {', '.join(map(str, sizes[:5]))} triangles: keep one, or join them."
-        raise InvalidValue("pieces of the mesh", pieces, "be 1", cure)
+        raise InvalidValue("pieces of the mesh", len(sizes), "be 1", cure)
     import igl
 
     turned = np.asarray(igl.bfs_orient(triangles)[0], np.int64)
-    ahead = turned * count + np.roll(turned, -1, axis=1)
-    if len(np.unique(ahead)) < ahead.size:
-        cure = "It has one side only, like a Moebius strip: cut it open."
-        raise InvalidValue("sides of the mesh", 1, "be 2", cure)
+    ahead = np.stack([turned, np.roll(turned, -1, axis=1)], axis=-1)
+    if len(np.unique(edge_keys(ahead, count, directed=True))) < turned.size:
+        raise InvalidState(
+            "mesh", "the mesh has one side only, like a Moebius strip", "Cut it open."
+        )
     return turned
 
 
 def _edges(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]:
     """Vertices of all edges (e, 2), rising, and numbers (m, 3): the edge after each corner."""
-    ends = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1), axis=-1)
-    keys, number = np.unique(ends[..., 0] * count + ends[..., 1], return_inverse=True)
+    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1)
+    keys, number = np.unique(edge_keys(ends, count), return_inverse=True)
     return np.column_stack([keys // count, keys % count]), number.reshape(-1, 3)
 
 
 def _rim(triangles: IntArray, count: int) -> IntArray:
     """Edges (e, 2) with a face on one side, in its direction; each vertex begins one at most."""
-    begin, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
-    lonely = ~np.isin(begin * count + end, end * count + begin)
-    rim = np.column_stack([begin[lonely], end[lonely]])
+    ends = np.column_stack([triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()])
+    ahead, back = (edge_keys(pairs, count, directed=True) for pairs in (ends, ends[:, ::-1]))
+    rim = ends[~np.isin(ahead, back)]
     uses = np.bincount(rim[:, 0], minlength=1)
     if uses.max() > 1:
         cure = f"Parts of the mesh touch at vertex {int(uses.argmax())} alone: take them apart."
@@ -412,8 +415,11 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
             points = bare.vertices_coords[loop].mean(axis=0)[None]
             middle = flat[loop].mean(axis=0)
             if not (_turn(flat[loop] - middle, flat[after] - middle) < 0).all():
-                cure = f"The hole at vertex {int(loop.min())} is not one: fill it in the mesh."
-                raise InvalidValue("shape of a hole", f"{len(loop)}-gon", "be starlike", cure)
+                raise InvalidState(
+                    "mesh",
+                    f"the hole of {len(loop)} sides at vertex {int(loop.min())} is not star-shaped",
+                    "Fill it in the mesh.",
+                )
             extra.append(np.column_stack([after, loop, np.full(len(loop), count)]))
         added.append(points)
         count += len(points)
@@ -447,9 +453,9 @@ def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) ->
     return (bare.vertices_coords[loop] + steps).reshape(-1, 3)
 
 
-def _turn(one: FloatArray, two: FloatArray) -> FloatArray:
-    """Twice the signed areas of plane triangles (0, one, two), shape (n,)."""
-    out: FloatArray = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+def _turn(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Twice the signed areas of plane triangles (0, first, second), shape (n,)."""
+    out: FloatArray = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     return out
 
 
@@ -466,6 +472,6 @@ def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:
     a, b, c = (corners[:, i] for i in range(3))
     normal = cross(b - a, c - a)
     with np.errstate(invalid="ignore", divide="ignore"):
-        two = dot(cross(points - a, c - a), normal) / dot(normal, normal)
-        three = dot(cross(b - a, points - a), normal) / dot(normal, normal)
-    return np.column_stack([1 - two - three, two, three])
+        second = dot(cross(points - a, c - a), normal) / dot(normal, normal)
+        third = dot(cross(b - a, points - a), normal) / dot(normal, normal)
+    return np.column_stack([1 - second - third, second, third])

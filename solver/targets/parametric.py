@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solver.errors import InvalidValue
-from solver.targets.base import _STEPS, Target, _largest, _settled
+from solver.targets.base import MOST_STEPS, Target, largest_step, settled
 from solver.vectors import BoolArray, FloatArray, cross, dot, numbers, unit
 
 __all__ = ["ParametricSurface", "TurnedTarget", "explicit_surface"]
@@ -75,7 +75,7 @@ class ParametricSurface:
         fast for the thin sheets of origami.
         """
         uv, before = guess, np.inf
-        for _ in range(_STEPS):
+        for _ in range(MOST_STEPS):
             along_u, along_v = self.tangents(uv)
             off = points - self.point(uv)
             e, f, g = dot(along_u, along_u), dot(along_u, along_v), dot(along_v, along_v)
@@ -83,12 +83,12 @@ class ParametricSurface:
             determinant = e * g - f * f
             step = np.column_stack([(g * p - f * q), (e * q - f * p)]) / determinant[:, None]
             uv = uv + step
-            now = _largest(step / (1 + np.abs(uv)))
-            if _settled(now, before):
+            now = largest_step(step / (1 + np.abs(uv)))
+            if settled(now, before):
                 break
             before = now
         normal = unit(cross(along_u, along_v))
-        # beyond the surface's centres of curvature the steps go round in circles
+        # beyond the surface's centres of curvature the steps go in circles
         lost = (np.abs(step) > 1e-6 * (1 + np.abs(uv))).any(axis=1)
         return np.where(lost, np.nan, dot(points - self.point(uv), normal)), normal, uv
 
@@ -159,6 +159,10 @@ def explicit_surface(
     """The surface z = height(x, y) over a rectangle about the origin.
 
     half_width_x, half_width_y : u = x / half_width_x and v = y / half_width_y.
+
+    >>> bowl = explicit_surface(lambda x, y: x**2 + y**2, half_width_x=2.0)
+    >>> bowl.point(np.array([[0.5, 1.0]])).tolist()
+    [[1.0, 1.0, 2.0]]
     """
 
     def position(u: FloatArray, v: FloatArray) -> FloatArray:

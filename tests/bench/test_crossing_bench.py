@@ -2,7 +2,7 @@
 
     pytest tests/bench --benchmark-only
 
-The ratio of both medians and the exponent of the cost stand in the benchmark's `extra_info`.
+The ratio of both medians and the exponent of the cost are in the benchmark's `extra_info`.
 """
 
 import time

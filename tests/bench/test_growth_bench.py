@@ -2,7 +2,7 @@
 
     pytest tests/bench --benchmark-only
 
-The ratio of both medians stands in the benchmark's `extra_info`.
+The ratio of both medians is in the benchmark's `extra_info`.
 """
 
 import time

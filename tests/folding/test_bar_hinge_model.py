@@ -222,7 +222,7 @@ def test_corners_on_straight_sides_make_no_slivers(outline, between, turn):
 
 
 def test_faces_that_cross_themselves_are_refused():
-    with pytest.raises(InvalidValue, match="neither cross nor touch"):
+    with pytest.raises(InvalidValue, match="a polygon crosses or touches itself"):
         framework(pattern_of([[0, 0], [2, 2], [2, 0], [0, 2], [-1, 1]], [[0, 1, 2, 3, 4]]))
 
 

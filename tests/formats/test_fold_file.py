@@ -210,7 +210,7 @@ def test_states_that_do_not_fit_are_refused(pattern):
     with pytest.raises(InvalidValue, match=r"have the shape \(16, 3\)"):
         fold_bytes(pattern, "sheet", [("half", points[1:])])
     points[3, 1] = np.nan
-    with pytest.raises(InvalidValue, match="vertex 3 is out of bounds: it must be finite"):
+    with pytest.raises(InvalidValue, match=r"vertex 3 of state .* is not finite"):
         fold_bytes(pattern, "sheet", [("half", points)])
 
 
@@ -361,7 +361,7 @@ NAN = float("nan")
                     {"frame_classes": ["foldedForm"], "vertices_coords": [[0, 0, 0]] * 16}
                 ],
             },
-            "folded form: edge .* without length",
+            "folded form: edge .* has no length",
         ),
     ],
 )

@@ -152,7 +152,7 @@ def test_progress_reaches_the_last_face():
     [
         ([[0, 0], [0, 9], [9, 9], [9, 0]], "area of face 0 = -81 mm2"),
         ([[0, 0], [99, 0], [99, 9], [0, 9]], "size of face 0 with its tabs = 9 x 99 mm"),
-        ([[0, 0], [40, 40], [40, 0], [0, 50]], "outline of face 0 = crossing itself"),
+        ([[0, 0], [40, 40], [40, 0], [0, 50]], "outline of face 0 crosses itself"),
     ],
 )
 def test_faces_that_cannot_be_pieces_are_refused(coords, message):

@@ -1,5 +1,8 @@
 """Crease patterns: signs, angles and counts."""
 
+from dataclasses import replace
+
+import flat_patterns
 import numpy as np
 import pytest
 from hypothesis import given
@@ -87,3 +90,21 @@ def test_scale_is_applied_once():
 def test_bad_scales_are_refused(scale):
     with pytest.raises(InvalidValue, match="scale_mm_per_unit"):
         pattern_of(Miura().grow().mesh, scale)
+
+
+def test_edges_that_join_faces_are_creases_between_two_of_them():
+    corners, faces = [[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]]
+    for letter, joins in (("V", True), ("F", True), ("U", True), ("C", False)):
+        pattern = flat_patterns.pattern_of(corners, faces, letter)
+        joined = np.sort(pattern.edges_vertices[pattern.edges_joining], axis=1).tolist()
+        assert joined == ([[0, 2]] if joins else [])
+        assert pattern.faces_piece.tolist() == ([0, 0] if joins else [0, 1])
+
+
+def test_an_edge_within_a_face_joins_nothing():
+    pattern = flat_patterns.grid(2, 1, 10.0)
+    faces = pattern.edges_faces.copy()
+    crease = int(np.flatnonzero(faces[:, 1] >= 0)[0])
+    faces[crease, 1] = faces[crease, 0]
+    assert pattern.edges_joining.sum() == 1
+    assert replace(pattern, edges_faces=faces).edges_joining.sum() == 0

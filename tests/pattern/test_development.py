@@ -115,15 +115,15 @@ NEARLY_ALIKE = [
 ]
 
 
-def overlaps_of(one, two):
+def overlaps_of(first, second):
     corners, offsets = np.arange(8), np.array([0, 4, 8])
     edges = edges_of(corners, offsets)
-    return overlapping_faces(np.concatenate([one, two]), corners, offsets, edges).tolist()
+    return overlapping_faces(np.concatenate([first, second]), corners, offsets, edges).tolist()
 
 
-@pytest.mark.parametrize(("one", "two"), NEARLY_ALIKE)
-def test_faces_alike_but_for_their_last_digits_overlap(one, two):
-    assert overlaps_of(one, two) == overlaps_of(two, one) == [[0, 1]]
+@pytest.mark.parametrize(("first", "second"), NEARLY_ALIKE)
+def test_faces_alike_but_for_their_last_digits_overlap(first, second):
+    assert overlaps_of(first, second) == overlaps_of(second, first) == [[0, 1]]
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-16, -8))
@@ -141,16 +141,16 @@ def test_faces_that_overlap_by_less_than_rounding_are_in_contact(depth, count):
     assert len(overlaps_of(square, square + np.array([1 - depth, 0.3]))) == count
 
 
-def test_the_published_curved_fold_overlaps_itself_and_says_where():
+def test_the_published_curved_fold_overlaps_itself_in_faces_that_are_named():
     overlaps = develop(CurvedFold().grow().mesh).overlaps
     assert len(overlaps) > 1000
     flat = develop(CurvedFold().grow().mesh).vertices_coords
     mesh = CurvedFold().grow().mesh
-    one, two = shapely.polygons(flat[mesh.faces_vertices[overlaps[0]]])
-    assert one.intersection(two).area > 0
+    first, second = shapely.polygons(flat[mesh.faces_vertices[overlaps[0]]])
+    assert first.intersection(second).area > 0
 
 
-def test_a_sheet_that_does_not_close_says_how_far():
+def test_a_sheet_that_does_not_close_is_measured():
     rows = Miura(columns=4, rows=4).grow().mesh
     bent = rows.vertices_coords.copy()
     bent[12] += [0.0, 0.0, 0.05]

@@ -83,6 +83,6 @@ def test_crossings_are_one_warning_that_counts_all_and_names_the_first():
     pairs = np.column_stack([np.arange(12), np.arange(12) + 20])
     (finding,) = inspect_crossings(pairs)
     assert (finding.code, finding.severity) == ("sheet-crosses-itself", Severity.WARNING)
-    assert "12 pairs" in finding.text
+    assert "12 crossing pairs" in finding.text
     assert "0 and 20" in finding.text
     assert finding.panels == (*range(10), *range(20, 30))

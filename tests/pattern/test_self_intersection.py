@@ -85,14 +85,14 @@ def strictly_inside(point, polygon, normal):
     return odd
 
 
-def cross_exactly(one, two):
+def cross_exactly(first, second):
     """Rational arithmetic: does any point between two cuts of the common line lie inside both?"""
-    planes = [(normal_of(p), p[0]) for p in (one, two)]
+    planes = [(normal_of(p), p[0]) for p in (first, second)]
     line = product(planes[0][0], planes[1][0])
     if not any(line):
         return False
     cuts = set()
-    for polygon, (normal, foot) in ((one, planes[1]), (two, planes[0])):
+    for polygon, (normal, foot) in ((first, planes[1]), (second, planes[0])):
         for p, q in zip(polygon, polygon[1:] + polygon[:1], strict=True):
             hp, hq = inner(minus(p, foot), normal), inner(minus(q, foot), normal)
             if hp == 0:
@@ -104,7 +104,7 @@ def cross_exactly(one, two):
     ordered = [cut[1:] for cut in sorted(cuts)]
     middles = [tuple((a + b) / 2 for a, b in zip(p, q, strict=True)) for p, q in pairwise(ordered)]
     return any(
-        strictly_inside(point, one, planes[0][0]) and strictly_inside(point, two, planes[1][0])
+        strictly_inside(point, first, planes[0][0]) and strictly_inside(point, second, planes[1][0])
         for point in middles
     )
 
@@ -123,7 +123,7 @@ def polygons(draw):
     ]
 
 
-def test_the_exact_judge_tells_crossing_from_touching():
+def test_the_exact_judge_distinguishes_crossing_from_touching():
     square = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0)]
     assert cross_exactly(square, [(1, 1, -1), (1, 1, 1), (1, 5, 0)])
     assert not cross_exactly(square, [(1, 1, 0), (1, 1, 1), (1, 5, 1)])  # stands on it
@@ -136,8 +136,8 @@ def test_the_exact_judge_tells_crossing_from_touching():
 def test_crossings_agree_with_rational_arithmetic_however_the_model_is_turned(faces, turn, scale):
     expected = {
         (i, j)
-        for (i, one), (j, two) in combinations(enumerate(faces), 2)
-        if cross_exactly(one, two)
+        for (i, first), (j, second) in combinations(enumerate(faces), 2)
+        if cross_exactly(first, second)
     }
     assert crossings_of(faces) == expected
     moved = [scale * (np.asarray(face, float) @ turn.T + [7.0, -5.0, 3.0]) for face in faces]
@@ -148,18 +148,18 @@ def test_random_pairs_cross_and_touch_as_rational_arithmetic_says():
     rng = np.random.default_rng(0)
     crossed = touched = 0
     for _ in range(1500):
-        one, two = (
+        first, second = (
             [
                 tuple((start + i * u + j * v).tolist())
                 for i, j in OUTLINES[rng.integers(len(OUTLINES))]
             ]
             for start, u, v in rng.integers(-2, 3, (2, 3, 3))
         )
-        if any(normal_of(one)) and any(normal_of(two)):
-            expected = cross_exactly(one, two)
-            assert crossings_of([one, two]) == ({(0, 1)} if expected else set())
+        if any(normal_of(first)) and any(normal_of(second)):
+            expected = cross_exactly(first, second)
+            assert crossings_of([first, second]) == ({(0, 1)} if expected else set())
             crossed += expected
-            touched += bool(set(one) & set(two)) and not expected
+            touched += bool(set(first) & set(second)) and not expected
     assert crossed > 50
     assert touched > 15  # by a shared corner; more of them touch elsewhere
 

@@ -188,7 +188,7 @@ def test_threemf_keeps_objects_apart(sheet):
 
 
 def test_threemf_needs_triangles():
-    with pytest.raises(InvalidValue, match="objects"):
+    with pytest.raises(InvalidValue, match="no object has a triangle"):
         threemf_bytes([], "nothing")
 
 

@@ -226,9 +226,12 @@ JOB = {"name": "sheet", "design": {"kind": "miura"}, "sheet": {"width_mm": 60.0}
             "bands from 0 to 30 and from 20 to 40 degrees overlap",
         ),
         ({"bands": [{"from_deg": 30, "to_deg": 30}]}, "from_deg = 30 must be below to_deg = 30"),
-        ({"bands": [{"from_deg": 30, "to_deg": 200}]}, r"bands\.0\.to_deg = 200 is refused"),
-        ({"relief": {"shape": "square", "web_mm": 1.0}}, r"relief\.shape = 'square' is refused"),
-        ({"relief": {"web_mm": 0.0}}, r"relief\.web_mm = 0\.0 is refused"),
+        ({"bands": [{"from_deg": 30, "to_deg": 200}]}, r"bands\.0\.to_deg = 200 is out of bounds"),
+        (
+            {"relief": {"shape": "square", "web_mm": 1.0}},
+            r"relief\.shape = 'square' is out of bounds",
+        ),
+        ({"relief": {"web_mm": 0.0}}, r"relief\.web_mm = 0\.0 is out of bounds"),
     ],
 )
 def test_bad_tables_of_a_job_are_refused_by_their_key(table, match):

@@ -8,7 +8,7 @@ from strategies import patches
 
 from solver import Front, Side
 from solver.arcs import contain, free_arcs, united
-from solver.transfer import prefix_products, transform
+from solver.transfer import transfer_flap_angles, transfer_matrices
 
 ends = st.tuples(st.integers(0, 62), st.integers(0, 62)).filter(lambda e: e[0] != e[1])
 
@@ -59,7 +59,7 @@ def test_free_flap_angles_are_those_at_which_no_vertex_self_intersects(mesh):
     # and close to both sides of every end
     near = (free.ravel()[:, None] + [-1e-6, 1e-6]).ravel() % (2 * np.pi)
     trials = np.concatenate([trials, near])
-    flap_angles = transform(prefix_products(front.couplings, front.deltas), trials)
+    flap_angles = transfer_flap_angles(transfer_matrices(front.couplings, front.deltas), trials)
     expected = ~front.self_intersections(flap_angles).any(axis=0)
     found = np.array([covers(free, angle) for angle in trials.tolist()])
     assert (found == expected)[:400].all()

@@ -242,12 +242,12 @@ def test_all_corners_of_the_grid_are_alike(side):
     assert (straight.mesh.vertices_coords == around.mesh.vertices_coords).all()
     assert (straight.mesh.grid == around.mesh.grid).all()
     matched = CornerStrip(lengths_around(rows, 2, 3))
-    one, two = (
+    first, second = (
         grow_corner(m, 1, lambda i: matched, side=s).mesh
         for m, s in ((mesh, Side.TOP), (turned, side))
     )
-    assert (one.vertices_coords == two.vertices_coords).all()
-    assert (one.faces_vertices == two.faces_vertices).all() or side is not Side.TOP
+    assert (first.vertices_coords == second.vertices_coords).all()
+    assert (first.faces_vertices == second.faces_vertices).all() or side is not Side.TOP
 
 
 @settings(max_examples=20)
@@ -256,9 +256,9 @@ def test_a_mirrored_sheet_grows_mirrored(mesh):
     mirror = np.array([1.0, 1.0, -1.0])
     reflected = replace(mesh, vertices_coords=mesh.vertices_coords * mirror)
     strip = CornerStrip(lambda rays: np.minimum(1.0, 0.5 * rays.length_bounds))
-    one, two = grow_pentagon(mesh, strip), grow_pentagon(reflected, strip)
-    assert one.status is two.status
-    assert np.abs(one.mesh.vertices_coords - two.mesh.vertices_coords * mirror).max() < 1e-11
+    first, second = grow_pentagon(mesh, strip), grow_pentagon(reflected, strip)
+    assert first.status is second.status
+    assert np.abs(first.mesh.vertices_coords - second.mesh.vertices_coords * mirror).max() < 1e-11
     # left and right exchanged: the mirrored sheet with its upper side kept up
     swapped = replace(
         reflected,
@@ -266,9 +266,9 @@ def test_a_mirrored_sheet_grows_mirrored(mesh):
         grid=mesh.grid[:, ::-1].copy(),
     )
     three = grow_pentagon(swapped, strip, side=Side.LEFT)
-    assert three.status is one.status
-    if one.status is Status.GROWN:
-        rows, other = (g.mesh.vertices_coords[g.mesh.grid] for g in (one, three))
+    assert three.status is first.status
+    if first.status is Status.GROWN:
+        rows, other = (g.mesh.vertices_coords[g.mesh.grid] for g in (first, three))
         assert np.abs(rows[:, ::-1] - other * mirror).max() < 1e-11
 
 
@@ -324,14 +324,14 @@ def test_the_last_crease_of_a_part_is_that_of_the_full_strip():
 def test_a_part_as_wide_as_the_front_is_an_ordinary_strip():
     lower = QuadMesh.from_rows(miura(4, 3)[:3])
     strip = Strip(1.0, 0.2, boundary_angles=(1.2, 1.4))
-    one = grow(lower, 1, lambda front, _: strip).mesh
-    two = grow_part(lower, 1, lambda front, _: strip, part=(0, 4)).mesh
-    assert (one.vertices_coords == two.vertices_coords).all()
-    assert (one.faces_vertices == two.faces_vertices).all()
+    first = grow(lower, 1, lambda front, _: strip).mesh
+    second = grow_part(lower, 1, lambda front, _: strip, part=(0, 4)).mesh
+    assert (first.vertices_coords == second.vertices_coords).all()
+    assert (first.faces_vertices == second.faces_vertices).all()
 
 
-def test_progress_and_a_stop_of_ones_own():
-    rows, told = miura(6, 6), []
+def test_progress_and_a_stop_by_choice():
+    rows, reported = miura(6, 6), []
     mesh = with_hole(rows, 2, 2)
 
     def choose(strip: int) -> CornerStrip | Stop:
@@ -339,9 +339,9 @@ def test_progress_and_a_stop_of_ones_own():
             return Stop(Status.COVERED, "enough")
         return CornerStrip(lengths_around(rows, 2 + strip, 2 + strip))
 
-    growth = grow_corner(mesh, 4, choose, progress=lambda *steps: told.append(steps))
+    growth = grow_corner(mesh, 4, choose, progress=lambda *steps: reported.append(steps))
     assert (growth.status, growth.strips, growth.advice) == (Status.COVERED, 2, "enough")
-    assert told == [(1, 4), (2, 4)]
+    assert reported == [(1, 4), (2, 4)]
     assert (growth.mesh.grid < 0).sum() == 4
 
 
@@ -368,7 +368,7 @@ def part_of(mesh: QuadMesh, part, **choice):
     [
         (lambda: grow_corner(QuadMesh.from_rows(ROWS), 1, CornerStrip), "concave corner"),
         (lambda: grow_pentagon(QuadMesh.from_rows(ROWS), CornerStrip(0.1)), "concave corner"),
-        (lambda: grow_corner(with_hole(ROWS, 2, 3), 4, CornerStrip), "lie from 1 to 3"),
+        (lambda: grow_corner(with_hole(ROWS, 2, 3), 4, CornerStrip), "be from 1 to 3"),
         (lambda: grow_corner(with_hole(ROWS, 2, 3), 0, CornerStrip), "strips = 0"),
         (
             lambda: grow_corner(with_hole(ROWS, 2, 3), 1, CornerStrip, side=Side.LEFT),
@@ -491,10 +491,10 @@ def test_faces_of_any_size_that_overlap_are_found_as_by_brute_force():
     assert sum(len(shapes) - 1 in pair for pair in expected) > 3
 
 
-def test_the_design_tells_its_progress_and_may_end_with_the_pentagon():
-    told = []
-    CorneredMiura(strips=3).grow(lambda *steps: told.append(steps))
-    assert told == [(1, 3), (2, 3), (3, 3)]
+def test_the_design_reports_progress_and_may_end_with_the_pentagon():
+    reported = []
+    CorneredMiura(strips=3).grow(lambda *steps: reported.append(steps))
+    assert reported == [(1, 3), (2, 3), (3, 3)]
     growth = CorneredMiura(strips=1).grow()
     assert (growth.status, growth.strips) == (Status.GROWN, 1)
     assert growth.mesh.grid.shape == (2, 12)

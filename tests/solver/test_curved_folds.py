@@ -62,8 +62,8 @@ def test_with_k_of_half_a_turn_the_flat_seed_is_a_straight_line(design):
     front = develop(cut).vertices_coords[cut.grid[0]]
     loop = cut.vertices_coords[cut.grid[0]]
     along = (front - front[0]) @ (front[-1] - front[0]) / norm(front[-1] - front[0])
-    ways = np.concatenate([[0.0], np.cumsum(norm(np.diff(loop, axis=0)))])
-    assert np.abs(along - ways).max() < 1e-11 * ways[-1]
+    lengths = np.concatenate([[0.0], np.cumsum(norm(np.diff(loop, axis=0)))])
+    assert np.abs(along - lengths).max() < 1e-11 * lengths[-1]
 
 
 @settings(max_examples=40)
@@ -94,7 +94,7 @@ def test_a_plane_zigzag_closes_lying_flat_alone_for_any_other_k():
 
 
 def test_a_half_twisted_zigzag_of_odd_count_lies_flat_somewhere():
-    """Like a Moebius strip: the zigzag changes sides on the way around and the sheet cannot.
+    """Like a Moebius strip: the zigzag changes sides once around, and the sheet cannot.
 
     Flap angles lie above and below 180 degrees in turns; with an odd count they must pass 0 or
     180 somewhere, where the faces beside a crease fold onto each other.

@@ -95,7 +95,7 @@ def test_a_front_of_three_vertices_has_one_flap_angle():
         (lambda: Front.on_curve(ZIGZAG, 1.0), r"k\[0\]"),
         (lambda: Front.on_curve(ZIGZAG * [1, 0, 0], 3.0), r"beta\[0\]"),
         (lambda: Front.on_curve(ZIGZAG[[0, 1, 1, 2]], 3.0), "front edge 1"),
-        (lambda: Front.on_curve(ZIGZAG * np.nan, 3.0), "front = .* NaN"),
+        (lambda: Front.on_curve(ZIGZAG * np.nan, 3.0), "front: .* NaN"),
         (lambda: Front.between(ZIGZAG, ZIGZAG), "crease behind front vertex 1"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=0), "1 to 3"),
         (lambda: Front.on_curve(ZIGZAG, 3.0).rays(1.0, at=4), "1 to 3"),
@@ -159,7 +159,7 @@ def test_misuse_is_refused(call, match):
         lambda: Front.on_curve(ZIGZAG, 3.0).away_from_back(np.ones((2, 3))),
     ],
 )
-def test_rubbish_is_refused(call):
+def test_arguments_of_other_kinds_are_refused(call):
     with pytest.raises(InvalidValue):
         call()
 

@@ -44,7 +44,7 @@ def test_published_strips_are_regrown_from_their_previous_rows(name, place):
     at = {"first": 1, "middle": last // 2, "last": last}[place]
     worst = 0.0
     for y, x, z in zip(rows[:-2], rows[1:-1], rows[2:], strict=True):
-        # one published length stands at its bound to the last digit, which `grow` refuses
+        # one published length is at its bound to the last digit, which `grow` refuses
         choice = choices(x, y, z, at)
         rays = Front.between(x, y).rays(
             choice.flap_angle, at=choice.at, boundary_angles=choice.boundary_angles
@@ -140,11 +140,11 @@ def test_growth_moves_turns_grows_and_mirrors_with_its_seed(curve, flap, seed):
         strip = Strip(flap, lambda rays: 0.3 * rays.length_bounds.clip(max=size), at)
         return grow(seeds.curve(points), 2, lambda front, j: strip, k=k).mesh
 
-    here = sheet(points, flap, 1.0)
-    there = sheet(4 * points @ motion + 7.0, handed * flap, 4.0)
-    assert here.grid.shape == there.grid.shape
-    moved = 4 * here.vertices_coords @ motion + 7.0
-    assert np.abs(there.vertices_coords - moved).max() < 1e-9
+    original = sheet(points, flap, 1.0)
+    transformed = sheet(4 * points @ motion + 7.0, handed * flap, 4.0)
+    assert original.grid.shape == transformed.grid.shape
+    moved = 4 * original.vertices_coords @ motion + 7.0
+    assert np.abs(transformed.vertices_coords - moved).max() < 1e-9
 
 
 @given(sheets())
@@ -153,7 +153,7 @@ def test_sectors_around_every_interior_vertex_add_up_to_a_full_turn(mesh):
     for face in mesh.faces_vertices.tolist():
         corners = mesh.vertices_coords[face]
         sectors = np.array([angle_at(*corners[[i - 1, i, (i + 1) % 4]].tolist()) for i in range(4)])
-        # the sectors of a plane quad add up to 2 pi: what is missing tells the reflex one
+        # the sectors of a plane quad add up to 2 pi: what is missing marks the reflex one
         missing = 2 * np.pi - sectors.sum()
         i = int(np.argmin(np.abs(2 * (np.pi - sectors) - missing)))
         sectors[i] += missing if missing > 1e-3 else 0.0
@@ -214,7 +214,7 @@ def test_bad_lengths_are_refused(lengths):
     ],
 )
 @pytest.mark.parametrize("good", [0, 1])
-def test_rubbish_from_callbacks_is_refused(choice, good):
+def test_choices_of_other_kinds_are_refused(choice, good):
     seed = seeds.miura(4, 1.0, 0.7, 1.0, 1.0)
     strips = [Strip(1.0, 0.1)] * good + [choice]
     with pytest.raises(InvalidValue):
@@ -248,7 +248,7 @@ def test_sheets_of_any_size_are_the_same_sheet(scale):
     assert developability(other.vertices_coords, other.faces_vertices).max() < 1e-13
 
 
-def test_progress_is_told_after_every_strip():
-    told = []
-    Miura(columns=4, rows=5).grow(lambda done, total: told.append((done, total)))
-    assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
+def test_progress_is_reported_after_every_strip():
+    reported = []
+    Miura(columns=4, rows=5).grow(lambda done, total: reported.append((done, total)))
+    assert reported == [(1, 4), (2, 4), (3, 4), (4, 4)]

@@ -102,7 +102,7 @@ def test_isometry_is_the_largest_relative_change_of_a_side_or_diagonal():
         (SQUARE, QUAD.astype(float)),
     ],
 )
-def test_rubbish_is_refused(coords, faces):
+def test_arguments_of_other_kinds_are_refused(coords, faces):
     for measure in (planarity, developability, lambda x, f: isometry(x, SQUARE, f)):
         with pytest.raises(InvalidValue):
             measure(coords, faces)

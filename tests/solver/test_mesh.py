@@ -71,8 +71,8 @@ def test_edges_of_a_patch_satisfy_euler():
     assert len(mesh.vertices_coords) - len(edges.edges_vertices) + len(mesh.faces_vertices) == 1
     assert (edges.edges_faces[:, 1] < 0).sum() == 2 * (3 + 4)
     # the first face has the edge in its own direction, the second against it
-    for (a, b), (one, two) in zip(edges.edges_vertices, edges.edges_faces, strict=True):
-        for face, (u, v) in ((one, (a, b)), (two, (b, a))):
+    for (a, b), (first, second) in zip(edges.edges_vertices, edges.edges_faces, strict=True):
+        for face, (u, v) in ((first, (a, b)), (second, (b, a))):
             if face >= 0:
                 ring = mesh.faces_vertices[face].tolist()
                 assert ring[(ring.index(u) + 1) % 4] == v
@@ -85,9 +85,9 @@ def test_edges_of_mixed_polygons():
 
 
 def test_an_edge_with_three_faces_and_a_face_wound_backwards_are_refused():
-    with pytest.raises(InvalidValue, match="at most 2 faces"):
+    with pytest.raises(InvalidValue, match="belongs to 3 faces"):
         edges_of(np.array([0, 1, 2, 1, 0, 3, 0, 1, 4]), np.array([0, 3, 6, 9]))
-    with pytest.raises(InvalidValue, match="same way"):
+    with pytest.raises(InvalidValue, match="in the same direction"):
         edges_of(np.array([0, 1, 2, 0, 1, 3]), np.array([0, 3, 6]))
 
 

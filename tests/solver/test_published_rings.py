@@ -67,7 +67,7 @@ def test_every_published_square_regrows_from_the_two_before_it():
 
 
 def test_the_published_squares_are_most_even_on_every_other_ring_alone():
-    """On the others their flap angle lies 0.12 degrees off, and all of the distance to ours."""
+    """On the others their flap angle is 0.12 degrees off, and all of the distance to ours."""
     rings = model("F4B", SQUARES)
     off = []
     for j in range(1, 81):

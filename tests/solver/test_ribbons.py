@@ -23,7 +23,7 @@ def offset_from(outline: str, points: np.ndarray) -> np.ndarray:
         return points.real**2 + (points.imag / 0.6) ** 2 - 1
     if outline == "wave":
         return points.imag - 1.5 * np.sin(points.real)
-    reach = 4 * np.pi  # of the spiral's angle, told from its radius
+    reach = 4 * np.pi  # of the spiral's angle, measured by its radius
     return np.abs(np.exp(1j * (np.angle(points) - reach * (np.abs(points) - 0.4))) - 1)
 
 
@@ -91,5 +91,5 @@ def test_walks_without_room_to_fold_are_drawn_anew_and_given_up_with_the_cure(mo
     design = ShapedRibbon("spiral", steps=8)
     assert len(design.grow().mesh.faces_vertices) == 8
     monkeypatch.setattr(shaped_ribbon, "_DRAWS", 1)
-    with pytest.raises(InvalidValue, match=r"steps = 8 .* leave room to fold .* Use more steps"):
+    with pytest.raises(InvalidValue, match=r"of 8 steps has room to fold .* Use more steps"):
         design.grow()

@@ -25,7 +25,7 @@ from solver import (
 )
 from solver.designs.brownian_ribbon import ribbon
 from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings, loop_miss
-from solver.vertex import even_flap_angles, growth_direction, sector_angles
+from solver.vertex import design_angles, even_flap_angles, growth_direction
 
 
 def random_loop(random: np.random.Generator, size: int) -> np.ndarray:
@@ -162,7 +162,7 @@ def test_a_flap_angle_that_does_not_close_stops_growth_with_advice():
 def test_even_flap_angles_give_even_sectors(vertex, frame):
     beta, k, _ = vertex
     for flap in even_flap_angles(np.array([beta]), np.array([k])):
-        theta1, theta2 = sector_angles(flap, np.array([beta]), np.array([k]))
+        theta1, theta2 = design_angles(flap, np.array([beta]), np.array([k]))
         assert theta1 == pytest.approx(theta2, abs=1e-9)
         a, b = frame(beta)
         r = growth_direction(a, b, flap, np.array([k]))
@@ -288,11 +288,11 @@ def test_parameters_out_of_bounds_are_named(design, name):
 
 def test_open_fronts_have_no_closings():
     mesh = seeds.miura(4, 1.0, 0.5, 1.0, 1.0)
-    with pytest.raises(InvalidValue, match="closed"):
+    with pytest.raises(InvalidValue, match="the front is open"):
         Front.of(mesh, Side.TOP).closings()
 
 
-def test_half_angles_begin_where_they_are_told():
+def test_half_angles_begin_at_the_vertex_given():
     mesh = RandomTube(random_seed=1, strips=1).grow().mesh
     front = Front.of(mesh, Side.TOP)
     s, c = half_angles(front.couplings, front.deltas, 1.0, len(front.couplings) - 1)

@@ -23,9 +23,10 @@ from solver import (
     planarity,
     ray_hit,
 )
+from solver.coverage import one_piece, windings
 from solver.designs.surface_fit import SURFACES
-from solver.fitting import _Mirror, _one_piece, _windings
 from solver.mesh import boundary_loops
+from solver.mirroring import Mirror
 from solver.planarise import planarised
 
 
@@ -194,10 +195,10 @@ def test_trimmed_sheets_cover_the_domain_and_hardly_more(name):
 
 def test_pieces_that_hang_together_by_a_corner_are_joined_or_dropped():
     falling = np.array([[1, 0, 0, 0], [0, 1, 1, 0], [0, 1, 1, 0], [1, 0, 0, 1]], bool)
-    assert _one_piece(falling).tolist() == [[False] * 4, *falling[1:3].tolist(), [False] * 4]
+    assert one_piece(falling).tolist() == [[False] * 4, *falling[1:3].tolist(), [False] * 4]
     ring = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 0]], bool)
-    assert _one_piece(ring).sum() >= 7
-    assert _one_piece(ring)[1, 1] or _one_piece(ring)[2, 2]
+    assert one_piece(ring).sum() >= 7
+    assert one_piece(ring)[1, 1] or one_piece(ring)[2, 2]
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -209,11 +210,11 @@ def test_points_within_an_outline(seed):
     points = rng.uniform(-1, 1, (100, 2))
     polygon = shapely.Polygon(outline).symmetric_difference(shapely.Polygon(hole))
     expected = shapely.contains_xy(polygon, *points.T)
-    assert ((_windings([outline, hole[::-1]], points) != 0) == expected).all()
+    assert ((windings([outline, hole[::-1]], points) != 0) == expected).all()
     twice = np.concatenate([outline, outline])
     covered = shapely.contains_xy(shapely.Polygon(outline), *points.T)
-    assert (_windings([twice], points) == 2 * covered).all()
-    assert (_windings([twice[::-1]], points) == -2 * covered).all()
+    assert (windings([twice], points) == 2 * covered).all()
+    assert (windings([twice[::-1]], points) == -2 * covered).all()
 
 
 @settings(max_examples=40)
@@ -223,7 +224,7 @@ def test_the_slope_of_the_mirror_cost_is_its_derivative(trial, seed):
     mesh = Miura(columns=9, rows=2).grow().mesh
     front = Front.of(mesh, Side.TOP)
     normal = rng.normal(size=(8, 3))
-    mirror = _Mirror.of(front, normal / np.linalg.norm(normal, axis=1)[:, None])
+    mirror = Mirror.of(front, normal / np.linalg.norm(normal, axis=1)[:, None])
     h = 1e-6
     below, above = mirror.cost(np.array([trial - h, trial + h]))
     assert mirror.slope(trial) == pytest.approx((above - below) / (2 * h), rel=1e-5, abs=1e-5)
@@ -237,7 +238,7 @@ def test_rows_that_cannot_be_planarised_are_nothing():
     assert planarised(SURFACES["waves"], far, np.array([-5.0, 5.0, -5.0])) is None
 
 
-def test_a_fit_that_dies_says_where_and_keeps_what_it_has():
+def test_a_fit_that_stops_names_the_place_and_keeps_what_it_has():
     growth = SurfaceFit(surface="hypar", zigzag=3.0, row_step=0.7, turn=0.0).grow()
     assert growth.status is not Status.GROWN
     assert "Along u, upwards: " in growth.advice
@@ -247,7 +248,7 @@ def test_a_fit_that_dies_says_where_and_keeps_what_it_has():
     assert 0.3 < growth.coverage < 0.7
 
 
-def test_a_surface_of_ones_own_is_followed():
+def test_a_surface_of_the_users_own_is_followed():
     bump = explicit_surface(lambda x, y: 0.3 * np.exp(-0.5 * (x**2 + y**2)), 2.0, 2.0)
     growth = SurfaceFit(surface=bump, columns=20).grow()
     assert growth.status is Status.GROWN
@@ -280,13 +281,13 @@ def test_points_beyond_the_centres_of_curvature_have_no_nearest_point():
     assert np.isnan(distance[1])
 
 
-def test_progress_is_told_and_never_runs_over():
-    told = []
+def test_progress_is_reported_and_never_runs_over():
+    reported = []
     SurfaceFit(columns=24, zigzag=3.0, row_step=1.0).grow(
-        lambda done, total: told.append((done, total))
+        lambda done, total: reported.append((done, total))
     )
-    assert told[0][0] == 1
-    assert all(done <= total for done, total in told)
+    assert reported[0][0] == 1
+    assert all(done <= total for done, total in reported)
 
 
 @pytest.mark.parametrize(
@@ -298,8 +299,8 @@ def test_progress_is_told_and_never_runs_over():
         (SurfaceFit(zigzag=np.nan), "zigzag"),
         (SurfaceFit(row_step=-1.0), "row_step"),
         (SurfaceFit(turn=np.inf), "turn"),
-        (SurfaceFit(zigzag=100.0, row_step=90.0, turn=0.0), "zigzag, row_step"),
-        (SurfaceFit(zigzag=100.0, row_step=90.0), "surface .* 4 choices of zigzag"),
+        (SurfaceFit(zigzag=100.0, row_step=90.0, turn=0.0), "zigzag 100 and row_step 90"),
+        (SurfaceFit(zigzag=100.0, row_step=90.0), "none of 4 choices of zigzag"),
         (SurfaceFit(columns=5000), "columns"),
         (SurfaceFit(thickness=None), "thickness"),
         (SurfaceFit(thickness=1e-20), "surface|seed"),

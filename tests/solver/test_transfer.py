@@ -11,14 +11,14 @@ from strategies import curves, fronts, vertices
 
 from solver import CurvedFold, Front, Side
 from solver.transfer import (
-    apply_each,
     coupling,
-    derivative,
     half_angles,
-    inverses,
+    inverse_matrices,
     loop_miss,
-    prefix_products,
-    transform,
+    transfer_derivative,
+    transfer_each,
+    transfer_flap_angles,
+    transfer_matrices,
 )
 from solver.vertex import flap_angle_of
 
@@ -56,28 +56,28 @@ def test_the_chain_is_what_the_grown_creases_measure(front, first):
 
 
 @given(fronts(), st.floats(0.0, 6.28))
-def test_prefix_products_map_the_first_flap_angle_to_all_others(front, first):
-    matrices = prefix_products(front.couplings, front.deltas)
-    image = transform(matrices, np.array([first, 1.0]))
+def test_transfer_matrices_map_the_first_flap_angle_to_all_others(front, first):
+    matrices = transfer_matrices(front.couplings, front.deltas)
+    image = transfer_flap_angles(matrices, np.array([first, 1.0]))
     assert circle_distance(image[:, 0], flap_angles(front, first)).max() < 1e-9
     assert image[0] == pytest.approx([first, 1.0], abs=1e-12)
 
 
 @given(fronts(), st.floats(0.0, 6.28))
 def test_inverses_take_every_flap_angle_back_to_the_first(front, first):
-    matrices = prefix_products(front.couplings, front.deltas)
-    there = transform(matrices, np.array([first]))
-    back = apply_each(inverses(matrices), there)[:, 0]
-    slope = np.abs(derivative(matrices, np.array([first]))[:, 0])
+    matrices = transfer_matrices(front.couplings, front.deltas)
+    images = transfer_flap_angles(matrices, np.array([first]))
+    back = transfer_each(inverse_matrices(matrices), images)[:, 0]
+    slope = np.abs(transfer_derivative(matrices, np.array([first]))[:, 0])
     assert (circle_distance(back, first) < 1e-13 * (1 + 1 / slope)).all()
 
 
 @given(fronts(), st.floats(0.0, 6.28))
 def test_the_derivative_is_that_of_the_map(front, first):
-    matrices = prefix_products(front.couplings, front.deltas)
-    exact = derivative(matrices, np.array([first]))[:, 0]
+    matrices = transfer_matrices(front.couplings, front.deltas)
+    exact = transfer_derivative(matrices, np.array([first]))[:, 0]
     h = 1e-5 / np.abs(exact).max()
-    low, high = transform(matrices, np.array([first - h, first + h])).T
+    low, high = transfer_flap_angles(matrices, np.array([first - h, first + h])).T
     difference = np.angle(np.exp(1j * (high - low))) / (2 * h)
     assert difference == pytest.approx(exact, rel=1e-4, abs=1e-6 * np.abs(exact).max())
 
@@ -121,7 +121,9 @@ def test_the_chain_is_the_trigonometric_recursion_of_the_paper(curve, first):
     expected, least = by_trigonometry(*curve, first)
     assume(least > 1e-3)
     # an error made at vertex j shows at vertex i stretched by the slopes of the steps between
-    slopes = derivative(prefix_products(front.couplings, front.deltas), np.array([first]))[:, 0]
+    slopes = transfer_derivative(
+        transfer_matrices(front.couplings, front.deltas), np.array([first])
+    )[:, 0]
     stretch = np.cumsum(1 / np.abs(slopes)) * np.abs(slopes)
     off = circle_distance(flap_angles(front, first), expected)
     assert (off < 1e-13 * stretch / least).all()
@@ -147,14 +149,14 @@ def test_long_chains_stay_normalised():
     )
     s, c = half_angles(front.couplings, front.deltas, 2.5)
     assert np.abs(np.hypot(s, c) - 1).max() < 1e-15 * 4
-    assert np.isfinite(prefix_products(front.couplings, front.deltas)).all()
+    assert np.isfinite(transfer_matrices(front.couplings, front.deltas)).all()
 
 
 def test_chains_that_stretch_beyond_the_range_of_floats_are_followed():
     random = np.random.default_rng(0)
     couplings, deltas = np.full(4000, 1e6), random.uniform(0, 6, 3999)
     s, c = half_angles(couplings, deltas, 1.0)
-    image = transform(prefix_products(couplings, deltas), np.array([1.0]))[:, 0]
+    image = transfer_flap_angles(transfer_matrices(couplings, deltas), np.array([1.0]))[:, 0]
     assert np.isfinite(s).all()
     assert np.isfinite(c).all()
     assert circle_distance(2 * np.arctan2(s, c), image).max() < 1e-9

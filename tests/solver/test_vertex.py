@@ -12,11 +12,11 @@ from solver.transfer import coupling
 from solver.vectors import angle_between, cross, dot, unit
 from solver.vertex import (
     continuation_flap_angles,
+    design_angles,
     flap_angle_of,
     flat_foldable_flap_angles,
     growth_direction,
     locked_flap_angles,
-    sector_angles,
     self_intersects,
 )
 
@@ -29,7 +29,7 @@ def one(x: float) -> np.ndarray:
 def test_the_new_sectors_are_the_angles_of_the_direction_and_add_up_to_k(vertex, frame):
     beta, k, flap = vertex
     a, b = frame(beta)
-    theta1, theta2 = sector_angles(one(flap), one(beta), one(k))
+    theta1, theta2 = design_angles(one(flap), one(beta), one(k))
     r = growth_direction(a, b, one(flap), one(k))
     assert theta1 + theta2 == pytest.approx(k, abs=1e-13)
     assert angle_between(a, r) == pytest.approx(theta1, abs=1e-12)
@@ -59,8 +59,8 @@ def test_the_flap_angle_of_the_direction_is_the_flap_angle(vertex, frame):
         (270.0, 90.0),
     ],
 )
-def test_sector_angles_of_a_right_angled_front(flap_deg, theta1_deg):
-    theta1, theta2 = sector_angles(one(np.radians(flap_deg)), one(np.pi / 2), one(np.pi))
+def test_design_angles_of_a_right_angled_front(flap_deg, theta1_deg):
+    theta1, theta2 = design_angles(one(np.radians(flap_deg)), one(np.pi / 2), one(np.pi))
     assert np.degrees(theta1[0]) == pytest.approx(theta1_deg, abs=1e-12)
     assert np.degrees(theta2[0]) == pytest.approx(180 - theta1_deg, abs=1e-12)
 
@@ -71,7 +71,7 @@ def test_sector_angles_of_a_right_angled_front(flap_deg, theta1_deg):
 )
 def test_angles_outside_their_interval_are_refused_with_the_bound(beta, k):
     with pytest.raises(InvalidValue, match=r"lie strictly between .* rad \(.* deg\)") as caught:
-        sector_angles(one(1.0), one(beta), one(k))
+        design_angles(one(1.0), one(beta), one(k))
     assert isinstance(caught.value, OrigamiError)
     assert isinstance(caught.value, ValueError)
     assert caught.value.name in ("beta[0]", "k[0]")
@@ -144,7 +144,7 @@ def test_special_flap_angles_are_what_they_say(vertex, frame, lift):
     assert growth_direction(a, b, mirrored, k) == pytest.approx(image, abs=1e-9)
     for flat in flat_foldable_flap_angles(a, b, c):
         if np.isfinite(flat[0]) and abs(np.sin(flat[0])) > 1e-3:
-            theta1, theta2 = sector_angles(flat, angle_between(a, b), k)
+            theta1, theta2 = design_angles(flat, angle_between(a, b), k)
             assert theta1 + theta3 == pytest.approx(np.pi, abs=1e-8)
             assert theta2 + theta4 == pytest.approx(np.pi, abs=1e-8)
 

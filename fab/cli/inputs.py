@@ -1,0 +1,57 @@
+"""Jobs and crease patterns that commands read."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from fab.errors import Finding
+
+if TYPE_CHECKING:
+    from fab.jobs.job import Job
+    from fab.pattern.crease_pattern import CreasePattern
+
+__all__ = ["allowed_job", "sized_pattern"]
+
+
+def allowed_job(path: Path, changes: Sequence[str], allow_code: bool) -> Job:
+    """A job; the Python file that it may name is run where that is allowed.
+
+    That is with `allow_code`, or where the user says so at a terminal. Raises `InvalidJob`.
+    """
+    from fab.jobs.job import load_job
+    from fab.jobs.own_designs import CodeNotAllowed
+
+    try:
+        return load_job(path, changes, allow_code=allow_code)
+    except CodeNotAllowed as refusal:
+        if not _confirmed(f"{path} runs the code of {refusal.path}. Allow that?"):
+            raise
+    return load_job(path, changes, allow_code=True)
+
+
+def _confirmed(question: str) -> bool:
+    """The user's answer at a terminal; no where nobody can be asked."""
+    streams = (sys.stdin, sys.stderr)
+    if not all(stream is not None and stream.isatty() for stream in streams):
+        return False
+    try:
+        return click.confirm(question, err=True)
+    except click.Abort:  # the end of the input; an interrupt has been noted elsewhere
+        return False
+
+
+def sized_pattern(
+    file: Path, width_mm: float | None, scale: float | None
+) -> tuple[CreasePattern, str, Sequence[Finding]]:
+    """The crease pattern of a file in the size asked for, its name, and the reader's findings."""
+    from fab.formats.fold_reader import read_pattern
+    from fab.outputs import plain_title
+    from fab.pattern.crease_pattern import scaled
+
+    pattern, findings = read_pattern(file)
+    return scaled(pattern, width_mm=width_mm, factor=scale), plain_title(file.stem), findings

@@ -1,0 +1,140 @@
+"""Tables of designs in a job: the keys of each are the fields of its dataclass."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Protocol, get_origin, get_type_hints
+
+from pydantic import Field, create_model
+
+from fab.errors import InvalidJob, did_you_mean
+from fab.settings import Settings
+from solver import DESIGNS, Growth
+from solver.designs.surface_fit import SURFACES
+from solver.targets.base import Target
+
+__all__ = ["SHIPPED_DESIGNS", "DesignSettings", "GrowingDesign", "design_key", "design_settings"]
+
+
+class GrowingDesign(Protocol):
+    """A frozen dataclass whose fields are parameters, and that grows a sheet from them."""
+
+    def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
+        """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
+        ...
+
+
+class DesignSettings(Settings):
+    """Base of the `design` tables; one for each design.
+
+    Attributes
+    ----------
+    design_class : the dataclass that grows.
+    code : the file of its code, where it is not a shipped one.
+    """
+
+    design_class: ClassVar[type[Any]]
+    code: ClassVar[str | None] = None
+
+    def design(self, folder: Path) -> GrowingDesign:
+        """The design with these parameters, angles in radians.
+
+        folder : where files that the job names are looked for. Raises `InvalidFile` for files that
+        cannot be used.
+        """
+        values = self.model_dump()
+        given = {}
+        for field in _fields(self.design_class):
+            value = values[design_key(field)]
+            if _is_angle(field) and value is not None:
+                value = math.radians(value)
+            elif _is_target(field):
+                value = _target(value, values["face"], values["up"], folder)
+            given[field.name] = value
+        design: GrowingDesign = self.design_class(**given)
+        return design
+
+    @classmethod
+    def keys(cls) -> dict[str, str]:
+        """The key of each field of the design, by the field's name."""
+        return {field.name: design_key(field) for field in _fields(cls.design_class)}
+
+
+def _target(surface: str, face: int | None, up: list[float] | None, folder: Path) -> str | Target:
+    """A surface by name, or from a file, which has an ending."""
+    if Path(surface).suffix:
+        from fab.formats.surface import read_surface
+
+        target: Target = read_surface(folder / surface, face, up)
+        return target
+    if face is not None or up is not None:
+        raise InvalidJob(
+            f"design.face = {face} and design.up = {up} must be left out for surface = "
+            f"{surface!r}: only STEP files have faces to choose from, and only meshes a side."
+        )
+    if surface not in SURFACES:
+        raise InvalidJob(
+            f"design.surface = {surface!r} must be one of {', '.join(SURFACES)}, or a file that "
+            f"ends in .stl, .obj, .ply, .step or .stp.{did_you_mean(surface, SURFACES, 0.4)}"
+        )
+    return surface
+
+
+def _fields(cls: type[Any]) -> list[dataclasses.Field[Any]]:
+    return [field for field in dataclasses.fields(cls) if field.init]
+
+
+def _is_angle(field: dataclasses.Field[Any]) -> bool:
+    return bool(field.metadata.get("angle"))
+
+
+def _is_target(field: dataclasses.Field[Any]) -> bool:
+    return bool(field.metadata.get("target"))
+
+
+def design_key(field: dataclasses.Field[Any]) -> str:
+    """The key of a design's field in a job: angles are given in degrees, and named so."""
+    return f"{field.name}_deg" if _is_angle(field) else field.name
+
+
+def design_settings(kind: str, cls: type[Any], code: str | None = None) -> type[DesignSettings]:
+    """The job table of a design: its own fields, with angles in degrees and named so.
+
+    kind : the name that the table goes by; code : the file of the class, where it is not a shipped
+    one.
+    """
+    types = get_type_hints(cls)
+    keys: dict[str, Any] = {"kind": (Literal[kind], ...)}
+    for field in _fields(cls):
+        annotation = str if _is_target(field) else types[field.name]
+        keys[design_key(field)] = (annotation, _key(field, annotation))
+        if _is_target(field):  # a file may hold several surfaces
+            keys["face"] = (int | None, None)
+            direction = Annotated[list[float], Field(min_length=3, max_length=3)]
+            keys["up"] = (direction | None, None)
+    table = create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **keys)
+    table.design_class, table.code = cls, code
+    return table
+
+
+def _key(field: dataclasses.Field[Any], annotation: Any) -> Any:
+    """Default of a field's key, in degrees for angles; tuples and enums are lists and text."""
+    loose = get_origin(annotation) is tuple or (
+        isinstance(annotation, type) and issubclass(annotation, tuple | Enum)
+    )
+    strict = False if loose else None
+    if field.default_factory is not dataclasses.MISSING:
+        return Field(default_factory=field.default_factory, strict=strict)
+    default: Any = field.default
+    if default is dataclasses.MISSING:
+        return Field(strict=strict)
+    if _is_angle(field) and default is not None:
+        default = round(math.degrees(default), 10)
+    return Field(default=default, strict=strict)
+
+
+SHIPPED_DESIGNS = {kind: design_settings(kind, cls) for kind, cls in DESIGNS.items()}

@@ -1,0 +1,29 @@
+"""Suggested thicknesses and sizes of a thick sheet."""
+
+from __future__ import annotations
+
+from fab.clearance.thickness_limit import collisions
+from fab.folding.folded_states import folded_states, with_free_angles
+from fab.panels.feasible_window import Window, feasible_window
+from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.kinematics import unknown_angles
+from fab.printing.thick_settings import ThickSettings
+from fab.progress import Progress, silent
+
+__all__ = ["suggested_window"]
+
+
+def suggested_window(
+    pattern: CreasePattern, settings: ThickSettings, progress: Progress = silent
+) -> Window:
+    """The feasible window of scale and thickness of a sheet.
+
+    settings : `printed`. Creases of unknown angle take those of the folded sheet.
+    """
+    panels, hinges = settings.panels, settings.hinges
+    states = None
+    if unknown_angles(pattern).any():
+        states, _ = folded_states(pattern, progress=progress)
+        pattern = with_free_angles(pattern, states)
+    clear = collisions(pattern, panels, hinges, progress, states)
+    return feasible_window(pattern, panels, hinges, clear)
