@@ -1,1 +1,51 @@
-"""..."""
+"""Sheets: a crease pattern cut from sheet material by a laser cutter or plotter.
+
+From pattern to files:
+
+- `sheet_request`: what is asked for: material, machine, copies, sides, formats.
+- `sheet_files`: all files of the sheets, from all that follows; `sheet_report`: their report.
+- `materials`: sheet materials and cutters, as data.
+
+Pieces:
+
+- `pieces`: the pattern in pieces that fit the bed; `seams`: where they are glued together.
+- `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters.
+
+Lines to cut:
+
+- `perforation`: creases, relief holes and outlines of a piece as cut paths;
+  `perforation_settings`: what can be set, `crease_styles`: dashes, dots, lattices and others.
+- `lattice_room`: room for lattice hinges; `relief_holes`: holes at vertices; `kerf`: outlines moved
+  by half the beam.
+- `crease_findings`, `feature_size`: what is too fine to be cut as asked for.
+
+Work on the machine:
+
+- `registration`: front and back of a sheet scored on both sides.
+- `cutting_order`: the order of lines, by `tours` with little travel; `work_estimate`: time.
+- `coupon`: a test card for a material on a machine.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fab.sheets.materials import load_machine, load_material
+    from fab.sheets.sheet_files import fabricate
+    from fab.sheets.sheet_request import SheetRequest
+
+__all__ = ["SheetRequest", "fabricate", "load_machine", "load_material"]
+
+_MODULES = {
+    "SheetRequest": "sheet_request",
+    "fabricate": "sheet_files",
+    "load_machine": "materials",
+    "load_material": "materials",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """The public names, whose modules are imported when they are first asked for."""
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

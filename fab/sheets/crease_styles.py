@@ -1,4 +1,4 @@
-"""Where along a crease does each style of perforation cut?
+"""Styles of creases, and the places along a crease where each one cuts.
 
 A style repeats marks (cuts at given places of a period) from one end of the crease's room to the
 other; the last period is closed by its first mark, so that every row reads the same from both ends.
@@ -32,10 +32,10 @@ __all__ = [
     "unscaled_length",
 ]
 
-# What is left of a crease between its margins must be longer than this to be cut; pierces are drawn
-# as cuts of this length.
+# The room of a crease between its margins must be longer than this to be cut; pierces are drawn as
+# cuts of this length.
 SHORTEST_CUT_MM = 0.01
-# A cutter takes days over more, and they fill the memory.
+# More take a cutter days, and fill the memory.
 _MOST_DASHES = 5_000_000
 _WIDEST_KERF_MM = 10.0
 
@@ -57,7 +57,7 @@ class DashStyle(Settings):
 
 
 class DashDotStyle(Settings):
-    """Dash, gap, dot, gap; a dash at both ends."""
+    """Dash, gap, dot, gap, and so on, with a dash at both ends."""
 
     kind: Literal["dash_dot"] = "dash_dot"
     cut_mm: _Length = Field(description="length of each dash")
@@ -86,7 +86,7 @@ class LatticeStyle(Settings):
     """A living hinge for rigid sheet: rows of slits along the crease, every other one shifted.
 
     The band is (rows - 1) pitch_mm wide, with the crease in its middle. A crease without room for
-    two slits in a row has one alone, on its line, and does not bend.
+    two slits in a row has a single one, on its line, and does not bend.
     """
 
     kind: Literal["lattice"] = "lattice"
@@ -127,7 +127,7 @@ class NoStyle(Settings):
     kind: Literal["none"] = "none"
 
 
-def _dashes_unless_said(value: Any) -> Any:
+def _dashes_by_default(value: Any) -> Any:
     if isinstance(value, Mapping) and "kind" not in value:
         return {"kind": "dashes", **value}
     return value
@@ -136,7 +136,7 @@ def _dashes_unless_said(value: Any) -> Any:
 CreaseStyle: TypeAlias = Annotated[
     ScoreStyle | DashStyle | DashDotStyle | DotStyle | LatticeStyle | EngraveStyle | NoStyle,
     Field(discriminator="kind"),
-    BeforeValidator(_dashes_unless_said),
+    BeforeValidator(_dashes_by_default),
 ]
 
 
@@ -167,7 +167,7 @@ def cuts_along(
     trim_mm : what stays uncut at the ends of the lines; one length, or shape (n, 2). The room is
         the rest of the line.
     kerf_mm : width of the beam. It lengthens each cut by half of it at both ends, so cuts are drawn
-        shorter by that much, and gaps and margins come out as asked for. Cuts not longer than the
+        shorter by the kerf, and gaps and margins come out as asked for. Cuts not longer than the
         kerf are drawn as pierces of 0.01 mm.
 
     All lengths of a pattern are scaled alike to fit; its first cut begins and its last one ends at
@@ -176,6 +176,10 @@ def cuts_along(
 
     Raises `InvalidValue` for a negative kerf, one that joins cuts, and for more than 5 million
     cuts.
+
+    >>> line = np.array([[[0.0, 0.0], [11.0, 0.0]]])
+    >>> cuts_along(line, DashStyle(cut_mm=3.0, gap_mm=1.0), 0.0).segments[..., 0].tolist()
+    [[0.0, 3.0], [4.0, 7.0], [8.0, 11.0]]
     """
     require_kerf(kerf_mm)
     span = ends[:, 1] - ends[:, 0]
@@ -203,9 +207,12 @@ def cuts_along(
 
 
 def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> float:
-    """The room about `near_mm` long in which cuts come out exactly as long as the style says.
+    """Length of a room of about `near_mm` in which cuts are exactly as long as the style says.
 
     periods : how many there are at least. Styles without a rhythm fit any room.
+
+    >>> unscaled_length(DashStyle(cut_mm=3.0, gap_mm=1.0), 20.0)
+    19.0
     """
     if isinstance(style, ScoreStyle | EngraveStyle | NoStyle):
         return near_mm
@@ -215,21 +222,26 @@ def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> flo
 
 
 def require_kerf(kerf_mm: float) -> None:
-    """Raise `InvalidValue` unless `kerf_mm` lies from 0 to 10."""
+    """Raise `InvalidValue` unless `kerf_mm` is from 0 to 10."""
     require_finite("kerf_mm", kerf_mm)
     if not 0 <= kerf_mm <= _WIDEST_KERF_MM:
         raise InvalidValue(
             "kerf_mm",
             kerf_mm,
-            f"lie from 0 to {_WIDEST_KERF_MM:g}",
-            "Give the width of what the beam takes away, 0 for a knife.",
+            f"be from 0 to {_WIDEST_KERF_MM:g}",
+            "Give the width of the material that the beam takes away, 0 for a knife.",
         )
 
 
 @dataclass(frozen=True)
 class _Row:
-    """Wanted cuts of one row: their lines (m,), where in the room they begin, how long they are;
-    and how far the row lies to the left of each line (n,).
+    """Wanted cuts of a row.
+
+    Attributes
+    ----------
+    owner : the line of each cut; begin, length : where in the room it begins, how long it is, mm;
+        shape (m,).
+    height_mm : how far to the left of each line the row is, shape (n,).
     """
 
     owner: IntArray
@@ -239,29 +251,15 @@ class _Row:
 
 
 def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
+    """The wanted cuts of a style in rooms of these lengths, one row or those of a lattice."""
     period, marks = _rhythm(style)
     first = marks[0, 1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if isinstance(style, ScoreStyle | EngraveStyle):
-            repeats, scale = np.zeros(len(room), np.int64), room
-        else:
-            repeats = np.maximum(0, np.rint((room - first) / period)).astype(np.int64)
-            scale = room / np.where(repeats > 0, repeats * period + first, np.maximum(first, room))
+    repeats, scale = _fitted(room, style, period, first)
     has = (room > SHORTEST_CUT_MM) & (not isinstance(style, NoStyle))
     many = has & (repeats > 0)
-    heights: FloatArray = np.zeros(1)
-    if isinstance(style, LatticeStyle):
-        if style.pitch_mm <= kerf_mm:
-            raise InvalidValue(
-                "pitch_mm",
-                style.pitch_mm,
-                f"be greater than kerf_mm = {kerf_mm:g}",
-                "Set the rows of the lattice further apart.",
-            )
-        side = style.width_mm / 2
-        heights = np.linspace(-side, side, style.rows)
+    heights = _heights_mm(style, kerf_mm)
     whole = np.where(has, repeats * len(marks) + 1, 0)
-    # a line with room for one cut alone has it in the first row, moved onto the line
+    # a line with room for a single cut has it in the first row, moved onto the line
     shifted, beside = np.where(many, repeats, 0), np.where(many, whole, 0)
     counts = [whole, *(shifted if row % 2 else beside for row in range(1, len(heights)))]
     total = sum(int(count.sum()) for count in counts)
@@ -285,6 +283,33 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
         begin = start[owner] + scale[owner] * (turn * period + place)
         rows.append(_Row(owner, begin, scale[owner] * size, np.where(many, height, 0.0)))
     return rows
+
+
+def _fitted(
+    room: FloatArray, style: CreaseStyle, period: float, first: float
+) -> tuple[IntArray, FloatArray]:
+    """How often the period of a style is repeated in each room, and how it is scaled to fit."""
+    if isinstance(style, ScoreStyle | EngraveStyle):
+        return np.zeros(len(room), np.int64), room
+    with np.errstate(divide="ignore", invalid="ignore"):
+        repeats = np.maximum(0, np.rint((room - first) / period)).astype(np.int64)
+        fitting = np.where(repeats > 0, repeats * period + first, np.maximum(first, room))
+        return repeats, room / fitting
+
+
+def _heights_mm(style: CreaseStyle, kerf_mm: float) -> FloatArray:
+    """How far to the left of a line each row of a style is, shape (rows,)."""
+    if not isinstance(style, LatticeStyle):
+        return np.zeros(1)
+    if style.pitch_mm <= kerf_mm:
+        raise InvalidValue(
+            "pitch_mm",
+            style.pitch_mm,
+            f"be greater than kerf_mm = {kerf_mm:g}",
+            "Set the rows of the lattice further apart.",
+        )
+    side = style.width_mm / 2
+    return np.linspace(-side, side, style.rows)
 
 
 def _rhythm(style: CreaseStyle) -> tuple[float, FloatArray]:

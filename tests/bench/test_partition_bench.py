@@ -10,10 +10,9 @@ import time
 import numpy as np
 import pytest
 
-from fab.pattern.crease_pattern import crease_pattern
+from fab.pattern.crease_pattern import crease_pattern, scaled
 from fab.pattern.development import develop
 from fab.sheets.pieces import SheetSplit, split
-from fab.sheets.sheet_files import scaled
 from solver import Miura
 
 BED = (600.0, 400.0)

@@ -16,7 +16,8 @@ from scipy.spatial import Delaunay
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.sheets.crease_styles import DashStyle, cuts_along
-from fab.sheets.cutting_order import nearest_neighbours, tour, travel_mm
+from fab.sheets.cutting_order import tour
+from fab.sheets.tours import nearest_neighbours, travel_mm
 
 HEAD = np.zeros(2)
 

@@ -20,7 +20,7 @@ from fab.sheets.crease_styles import (
     cuts_along,
     unscaled_length,
 )
-from fab.sheets.perforation import PerforationSettings
+from fab.sheets.perforation_settings import PerforationSettings
 from solver import InvalidValue
 
 sizes = st.floats(0.05, 20.0)

@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
-from fab.sheets.cutting_order import Estimate, _Tour, estimate, nearest_neighbours, tour, travel_mm
+from fab.sheets.cutting_order import tour
 from fab.sheets.materials import Speeds
+from fab.sheets.tours import Tour, nearest_neighbours, travel_mm
+from fab.sheets.work_estimate import Estimate, estimate
 
 SPEEDS = Speeds(cut_mm_s=10, perforate_mm_s=20, engrave_mm_s=50, travel_mm_s=100, pierce_s=0.5)
 ORIGIN = np.zeros(2)
@@ -87,14 +89,14 @@ def test_nearest_neighbours_are_the_nearest(count, seed):
 @given(st.integers(2, 40), seeds)
 def test_every_move_shortens_the_way_by_what_it_says(count, seed):
     ends = random_segments(count, seed, size=20.0).reshape(-1, 2)
-    at = _Tour(ends, 2 * np.random.default_rng(seed).permutation(count), ORIGIN)
+    at = Tour(ends, 2 * np.random.default_rng(seed).permutation(count), ORIGIN)
 
     def way():
         return travel_mm(np.stack([ends[at.entries], ends[at.entries ^ 1]], axis=1), ORIGIN)
 
     before = way()
     for end in range(2 * count):
-        moved = at._move(end)
+        moved = at.move(end)
         assert way() < before - 5e-10 if moved else way() == before
         before = way()
         assert sorted(at.entries >> 1) == list(range(count))

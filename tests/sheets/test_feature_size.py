@@ -10,10 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.errors import Severity
-from fab.sheets.crease_styles import LatticeStyle
+from fab.pattern.crease_pattern import scaled
+from fab.sheets.crease_styles import DashStyle, LatticeStyle
 from fab.sheets.feature_size import enlargement, face_widths_mm, narrow_faces
-from fab.sheets.perforation import DashStyle, PerforationSettings, cut_layers, perforate
-from fab.sheets.sheet_files import scaled
+from fab.sheets.perforation import cut_layers, perforate
+from fab.sheets.perforation_settings import PerforationSettings
 
 FACTOR = re.compile(r"([0-9.e+]+) times as large")
 

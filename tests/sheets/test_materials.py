@@ -9,9 +9,9 @@ from fab.catalogue import shipped_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
 from fab.errors import InvalidJob
-from fab.sheets.crease_styles import ScoreStyle
+from fab.sheets.crease_styles import DashStyle, ScoreStyle
 from fab.sheets.materials import load_machine, load_material, perforation_for
-from fab.sheets.perforation import DashStyle, FoldBand, PerforationSettings
+from fab.sheets.perforation_settings import FoldBand, PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 
 MATERIALS, MACHINES = shipped_of("sheet"), shipped_of("cutter")

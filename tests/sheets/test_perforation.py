@@ -21,7 +21,8 @@ from fab.sheets.crease_styles import (
     ScoreStyle,
     cuts_along,
 )
-from fab.sheets.perforation import FoldBand, PerforationSettings, cut_layers, perforate
+from fab.sheets.perforation import cut_layers, perforate
+from fab.sheets.perforation_settings import FoldBand, PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 from solver import InvalidValue, Miura
 

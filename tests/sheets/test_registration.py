@@ -7,7 +7,8 @@ from flat_patterns import triangles
 
 from fab.drawings.cut_paths import CutPaths, Operation, joined
 from fab.drawings.dxf import dxf_bytes
-from fab.sheets.perforation import PerforationSettings, perforate
+from fab.sheets.perforation import perforate
+from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.registration import Axis, Registration, how_to_turn, two_sided
 from fab.sheets.relief_holes import ReliefSettings
 from solver import InvalidValue

@@ -32,12 +32,14 @@ from fab.geometry.rings import ring_areas
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
 from fab.outputs import left_over
+from fab.pattern.crease_pattern import scaled
 from fab.sheets.labels import number_text
 from fab.sheets.materials import load_machine, load_material, perforation_for
 from fab.sheets.perforation import cut_layers
 from fab.sheets.pieces import split
 from fab.sheets.registration import Registration
-from fab.sheets.sheet_files import fabricate, scaled, sheet_names
+from fab.sheets.sheet_files import fabricate, sheet_names
+from fab.sheets.sheet_request import SheetRequest
 from solver import InvalidValue
 
 NAMES = sorted(path.stem for path in PATTERNS.glob("*.fold"))
@@ -45,16 +47,14 @@ MATERIALS = ["copy_paper_80gsm", "pet_film_0.19mm", "plywood_3mm"]
 MACHINE = "co2_60w_600x400"
 
 
+def requested(material="card_300gsm", machine=MACHINE, **choices):
+    return SheetRequest(load_material(material), load_machine(machine), **choices)
+
+
 def sheets_of(name, material, width_mm=400.0, **choices):
     pattern, findings = read_pattern(PATTERNS / f"{name}.fold")
-    return pattern, fabricate(
-        scaled(pattern, width_mm=width_mm),
-        name,
-        load_material(material),
-        load_machine(MACHINE),
-        findings=findings,
-        **choices,
-    )
+    request = requested(material, **choices)
+    return pattern, fabricate(scaled(pattern, width_mm=width_mm), name, request, findings=findings)
 
 
 def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
@@ -67,7 +67,7 @@ def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("fab.sheets.sheet_files.split", kept_split)
-        made = fabricate(pattern, name, load_material(material), machine, **choices)
+        made = fabricate(pattern, name, SheetRequest(load_material(material), machine, **choices))
     return kept[0][0], made
 
 
@@ -188,13 +188,7 @@ def test_copies_lie_on_as_many_sheets_as_they_need_and_apart():
 def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     (tmp_path / "cones.fold").write_bytes(made_template("nested_cones").files["nested_cones.fold"])
     pattern, _ = read_pattern(tmp_path / "cones.fold")
-    made = fabricate(
-        pattern,
-        "cones",
-        load_material("card_300gsm"),
-        load_machine(MACHINE),
-        formats=[SheetFormat.SVG],
-    )
+    made = fabricate(pattern, "cones", requested(formats=[SheetFormat.SVG]))
     assert made.within_tolerance, made.findings
     names = [piece["name"] for piece in made.report["pieces"]]
     assert len(names) > 1
@@ -204,9 +198,7 @@ def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     assert {name for row in rows for name in row["pieces"]} == set(names)
     # the rings were cut open to lie flat: their seam closes by glue too
     assert pattern.folded_coords is not None
-    whole = fabricate(
-        pattern, "cones", load_material("card_300gsm"), load_machine("co2_100w_1300x900")
-    )
+    whole = fabricate(pattern, "cones", requested(machine="co2_100w_1300x900"))
     assert [piece["name"] for piece in whole.report["pieces"]] == ["A"]
     assert len(whole.report["glue_up"]) == 18
     assert all(row["pieces"] == ["A", "A"] for row in whole.report["glue_up"])
@@ -224,14 +216,8 @@ def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, t
     strip = turned_strip(int(14 * turns), turns, rows, seed=int(10 * turns))
     (tmp_path / "turned.fold").write_bytes(fold_bytes(strip, "turned"))
     pattern, findings = read_pattern(tmp_path / "turned.fold")
-    made = fabricate(
-        pattern,
-        "turned",
-        load_material("card_300gsm"),
-        load_machine("knife_a3_roll"),
-        formats=[SheetFormat.DXF],
-        findings=findings,
-    )
+    request = requested(machine="knife_a3_roll", formats=[SheetFormat.DXF])
+    made = fabricate(pattern, "turned", request, findings=findings)
     assert made.within_tolerance, made.findings
     assert {"sheet-overlaps", "sheet-split"} <= {f["code"] for f in made.report["findings"]}
     assert sum(piece["faces"] for piece in made.report["pieces"]) == pattern.face_count
@@ -269,7 +255,7 @@ def test_two_pieces_drawn_over_each_other_are_two_pieces(tmp_path):
     }
     (tmp_path / "two.fold").write_text(json.dumps(document))
     pattern, _ = read_pattern(tmp_path / "two.fold")
-    made = fabricate(pattern, "two", load_material("card_300gsm"), load_machine(MACHINE))
+    made = fabricate(pattern, "two", requested())
     assert [piece["faces"] for piece in made.report["pieces"]] == [1, 1]
     assert made.report["glue_up"] == []
     (sheet,) = made.report["sheets"]
@@ -283,13 +269,7 @@ def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
     assert findings == ()
     assert pattern.face_count == 1000
     with np.errstate(all="ignore"):
-        made = fabricate(
-            pattern,
-            "ribbon",
-            load_material("card_300gsm"),
-            load_machine(MACHINE),
-            formats=[SheetFormat.SVG],
-        )
+        made = fabricate(pattern, "ribbon", requested(formats=[SheetFormat.SVG]))
     assert not made.within_tolerance
     told = {finding.code: finding.text for finding in made.findings}
     assert (
@@ -364,13 +344,8 @@ def test_threads_of_pieces_are_placed_or_refused(tmp_path):
     (tmp_path / "ribbon.fold").write_bytes(ribbon)
     pattern, _ = read_pattern(tmp_path / "ribbon.fold")
     with np.errstate(all="ignore"):
-        made = fabricate(
-            scaled(pattern, width_mm=15000.0),
-            "ribbon",
-            load_material("copy_paper_80gsm"),
-            load_machine("co2_100w_1300x900"),
-            formats=[SheetFormat.SVG],
-        )
+        request = requested("copy_paper_80gsm", "co2_100w_1300x900", formats=[SheetFormat.SVG])
+        made = fabricate(scaled(pattern, width_mm=15000.0), "ribbon", request)
     assert sum(piece["faces"] for piece in made.report["pieces"]) == 400
     assert len(made.report["glue_up"]) >= len(made.report["pieces"]) - 1
 
@@ -442,9 +417,9 @@ def test_a_bed_without_room_for_registration_is_refused():
     machine = load_machine(MACHINE).model_copy(update={"bed_mm": (45.0, 45.0)})
     pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
     small = scaled(pattern, width_mm=5.0)
-    material = load_material("copy_paper_80gsm")
+    request = SheetRequest(load_material("copy_paper_80gsm"), machine, registration=Registration())
     with pytest.raises(InvalidValue, match="at least 60 mm"):
-        fabricate(small, "small", material, machine, registration=Registration())
+        fabricate(small, "small", request)
 
 
 _RIBBON = """
@@ -454,11 +429,11 @@ from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_files import fabricate
-made = fabricate(
-    scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon",
-    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"),
-    formats=[SheetFormat.SVG],
+from fab.sheets.sheet_request import SheetRequest
+request = SheetRequest(
+    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"), formats=[SheetFormat.SVG]
 )
+made = fabricate(scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon", request)
 for name, data in sorted(made.files.items()):
     print(name, hashlib.sha256(data).hexdigest())
 """
