@@ -26,7 +26,8 @@ def enlargement(needed_mm: FloatArray, present_mm: FloatArray) -> str:
     if not math.isfinite(factor):
         return "inf"
     unit = 10.0 ** (math.floor(math.log10(factor)) - 2)
-    return f"{(math.floor(factor / unit) + 1) * unit:.3g}"
+    # rounding must not name a factor that makes lengths equal
+    return f"{(math.floor(factor / unit * (1 + 1e-12)) + 1) * unit:.3g}"
 
 
 def face_widths_mm(pattern: CreasePattern) -> FloatArray:

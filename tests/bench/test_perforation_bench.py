@@ -2,7 +2,7 @@
 
     pytest tests/bench/test_perforation_bench.py --benchmark-only -s
 
-Both figures stand in the benchmark's `extra_info`.
+Both figures are in the benchmark's `extra_info`.
 """
 
 import time

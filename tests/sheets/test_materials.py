@@ -78,7 +78,7 @@ def test_every_number_names_its_unit(path):
     walk(tomllib.loads(path.read_text()))
 
 
-def test_whole_lines_are_scores_on_the_layers_of_their_letters():
+def test_whole_lines_are_scores_on_the_layers_of_their_assignments():
     material = load_material("card_300gsm")
     whole = perforation_for(load_machine("diode_10w_400x400"), material)
     assert whole.mountain == whole.valley == ScoreStyle()

@@ -65,8 +65,8 @@ def test_holes_keep_their_distance_from_everything_else(seed, shape):
     holes = np.array([shapely.Polygon(ring) for ring in layers[Operation.RELIEF].outlines])
     assert len(holes) > 3
     assert {f.code for f in findings} <= {"relief-left-out", "crease-too-short"}
-    one, two = shapely.STRtree(holes).query(holes, predicate="dwithin", distance=web - 1e-6)
-    assert (one == two).all()
+    first, second = shapely.STRtree(holes).query(holes, predicate="dwithin", distance=web - 1e-6)
+    assert (first == second).all()
     walls = [shapely.LinearRing(ring) for ring in layers[Operation.CUT].outlines]
     walls += list(shapely.linestrings(layers[Operation.CUT].segments))
     assert shapely.distance(shapely.union_all(holes), shapely.union_all(walls)) >= web - 1e-9
