@@ -8,13 +8,15 @@ From pattern to files:
 
 Pieces:
 
-- `pieces`: the pattern in pieces that fit the bed; `seams`: where they are glued together.
+- `pieces`: the pattern in pieces that fit the bed; `piece_patterns`: each as a pattern of its own.
+- `seams`: where pieces are glued together.
 - `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters.
 
 Lines to cut:
 
 - `perforation`: creases, relief holes and outlines of a piece as cut paths;
-  `perforation_settings`: what can be set, `crease_styles`: dashes, dots, lattices and others.
+  `perforation_settings`: what can be set; `crease_styles`: dashes, dots, lattices and others;
+  `crease_cuts`: where along a crease each style cuts.
 - `lattice_room`: room for lattice hinges; `relief_holes`: holes at vertices; `kerf`: outlines moved
   by half the beam.
 - `crease_findings`, `feature_size`: what is too fine to be cut as asked for.

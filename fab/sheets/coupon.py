@@ -15,13 +15,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
-from fab.sheets.crease_styles import (
-    CreaseStyle,
-    EngraveStyle,
-    LatticeStyle,
-    cuts_along,
-    unscaled_length,
-)
+from fab.sheets.crease_cuts import cuts_along, unscaled_length
+from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle
 from fab.sheets.labels import text_outlines, text_width
 from fab.sheets.materials import Machine, Material, perforation_for
 from solver.errors import InvalidValue

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fab.errors import Finding, Severity, counted
 from fab.geometry.rings import ring_areas
-from fab.sheets.crease_styles import require_kerf
+from fab.sheets.crease_cuts import require_kerf
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["compensated"]

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from fab.drawings.cut_paths import Layer, Operation
 from solver.vectors import FloatArray
 
 __all__ = [
     "Label",
+    "LabelPlaces",
     "engraved",
     "fitted",
     "highest",
@@ -161,40 +163,51 @@ def text_box(text: str) -> tuple[float, float]:
     return text_width(text) + 0.4, max(_BOX_HEIGHT, height + _BELOW)
 
 
-def fitted(
-    texts: Sequence[str],
-    anchors: FloatArray,
-    angles: FloatArray,
-    rooms: Sequence[shapely.Polygon],
-    height_mm: FloatArray,
-    hang: FloatArray,
-    least_mm: float,
-) -> tuple[Label | None, ...]:
-    """Labels as high as asked for or as their rooms allow, or lower, clear of each other.
+@dataclass(frozen=True)
+class LabelPlaces:
+    """Where texts are to be engraved.
 
-    There is none where it would be lower than `least_mm`.
-
-    Parameters
+    Attributes
     ----------
+    texts : n of them.
     anchors, angles : point (n, 2) and direction (n,), radians, of the line each text belongs to.
     rooms : the polygon in which each must stay.
     height_mm : the greatest heights, shape (n,).
-    least_mm : the least height, greater than 0.
     hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
     """
-    grown = [highest(*text) for text in zip(texts, anchors, angles, rooms, hang, strict=True)]
-    height = np.minimum(height_mm, grown)
+
+    texts: Sequence[str]
+    anchors: FloatArray
+    angles: FloatArray
+    rooms: Sequence[shapely.Polygon]
+    height_mm: FloatArray
+    hang: FloatArray
+
+    def boxes(self, height_mm: FloatArray) -> tuple[FloatArray, NDArray[np.object_]]:
+        """Middles of the texts and what they keep free, for these heights: (n, 2) and (n,)."""
+        half_x, half_y = np.array([text_box(text) for text in self.texts]).T / 2
+        u = np.column_stack([np.cos(self.angles), np.sin(self.angles)])
+        v = np.column_stack([-u[:, 1], u[:, 0]])
+        middle = self.anchors + (self.hang * height_mm)[:, None] * v
+        x, y = (half_x * height_mm)[:, None] * u, (half_y * height_mm)[:, None] * v
+        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
+        return middle, shapely.polygons(ring)
+
+
+def fitted(places: LabelPlaces, least_mm: float) -> tuple[Label | None, ...]:
+    """Labels as high as asked for or as their rooms allow, or lower, clear of each other.
+
+    There is none where it would be lower than `least_mm`, which is greater than 0.
+    """
+    wanted = zip(
+        places.texts, places.anchors, places.angles, places.rooms, places.hang, strict=True
+    )
+    height = np.minimum(places.height_mm, [highest(*text) for text in wanted])
     if not len(height):
         return ()
-    half_x, half_y = np.array([text_box(text) for text in texts]).T / 2
-    u = np.column_stack([np.cos(angles), np.sin(angles)])
-    v = np.column_stack([-u[:, 1], u[:, 0]])
     written = height >= least_mm
     while True:
-        middle = anchors + (hang * height)[:, None] * v
-        x, y = (half_x * height)[:, None] * u, (half_y * height)[:, None] * v
-        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
-        boxes = shapely.polygons(ring)
+        middle, boxes = places.boxes(height)
         a, b = shapely.STRtree(boxes).query(boxes, predicate="intersects")
         # the larger of two gives way first
         clash = (a != b) & written[a] & written[b] & (height[a] >= height[b])
@@ -205,10 +218,10 @@ def fitted(
     return tuple(
         Label(text, (x, y), h, angle) if kept else None
         for text, (x, y), h, angle, kept in zip(
-            texts,
+            places.texts,
             middle.tolist(),
             height.tolist(),
-            np.degrees(angles).tolist(),
+            np.degrees(places.angles).tolist(),
             written.tolist(),
             strict=True,
         )

@@ -11,16 +11,9 @@ from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.errors import Finding
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.outlines import inner_cuts, outlines_of
+from fab.sheets.crease_cuts import SHORTEST_CUT_MM, cuts_along, require_kerf
 from fab.sheets.crease_findings import CREASE_NAMES, CutCreases, crease_findings
-from fab.sheets.crease_styles import (
-    SHORTEST_CUT_MM,
-    CreaseStyle,
-    EngraveStyle,
-    LatticeStyle,
-    NoStyle,
-    cuts_along,
-    require_kerf,
-)
+from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle, NoStyle
 from fab.sheets.kerf import compensated
 from fab.sheets.lattice_room import lattice_starts, meeting_lattices
 from fab.sheets.perforation_settings import PerforationSettings

@@ -9,7 +9,7 @@ import shapely
 
 from fab.geometry.boxes import smallest_box
 from fab.pattern.crease_pattern import CreasePattern
-from fab.sheets.labels import Label, fitted, highest, number_text
+from fab.sheets.labels import Label, LabelPlaces, fitted, highest, number_text
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["READABLE_MM", "SeamNumbers", "piece_labels"]
@@ -61,15 +61,15 @@ def piece_labels(
     height[0] *= _NAME_HEIGHT
     hang = np.ones(len(height))
     hang[0] = 0.0
-    return fitted(
+    places = LabelPlaces(
         [name, *(number_text(number) for number in seams.numbers.tolist())],
         np.concatenate([middle[None], seams.lines.mean(axis=1)]),
         np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])]),
         [rooms[face] for face in [widest, *seams.faces.tolist()]],
         height,
         hang,
-        READABLE_MM,
     )
+    return fitted(places, READABLE_MM)
 
 
 def _place_for(

@@ -27,7 +27,8 @@ from fab.sheets.cutting_order import tour
 from fab.sheets.feature_size import narrow_faces
 from fab.sheets.labels import engraved
 from fab.sheets.perforation import cut_piece
-from fab.sheets.pieces import Piece, Pieces, split
+from fab.sheets.piece_patterns import Piece
+from fab.sheets.pieces import Pieces, split
 from fab.sheets.registration import how_to_turn, two_sided
 from fab.sheets.sheet_report import estimate_report, sheet_report, sides_report
 from fab.sheets.sheet_request import SheetRequest

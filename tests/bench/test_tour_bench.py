@@ -15,7 +15,8 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import Delaunay
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
-from fab.sheets.crease_styles import DashStyle, cuts_along
+from fab.sheets.crease_cuts import cuts_along
+from fab.sheets.crease_styles import DashStyle
 from fab.sheets.cutting_order import tour
 from fab.sheets.tours import nearest_neighbours, travel_mm
 

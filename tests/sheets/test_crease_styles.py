@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from fab.errors import InvalidJob
 from fab.jobs.job import parse_job
+from fab.sheets.crease_cuts import cuts_along, unscaled_length
 from fab.sheets.crease_styles import (
     DashDotStyle,
     DashStyle,
@@ -17,8 +18,6 @@ from fab.sheets.crease_styles import (
     LatticeStyle,
     NoStyle,
     ScoreStyle,
-    cuts_along,
-    unscaled_length,
 )
 from fab.sheets.perforation_settings import PerforationSettings
 from solver import InvalidValue

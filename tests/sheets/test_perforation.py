@@ -13,6 +13,7 @@ from fab.drawings.cut_paths import Operation
 from fab.errors import Severity
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
+from fab.sheets.crease_cuts import cuts_along
 from fab.sheets.crease_styles import (
     DashDotStyle,
     DashStyle,
@@ -21,7 +22,6 @@ from fab.sheets.crease_styles import (
     LatticeStyle,
     NoStyle,
     ScoreStyle,
-    cuts_along,
 )
 from fab.sheets.perforation import cut_layers, perforate
 from fab.sheets.perforation_settings import FoldBand, PerforationSettings
