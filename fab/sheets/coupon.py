@@ -20,6 +20,7 @@ from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle
 from fab.sheets.labels import text_outlines, text_width
 from fab.sheets.materials import Machine, Material, perforation_for
 from solver.errors import InvalidValue
+from solver.vectors import FloatArray
 
 __all__ = ["coupon"]
 
@@ -181,19 +182,24 @@ def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
         else:
             slits.append([[x, low], [x, low + length]])
         words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
-    x, low, shoulder = _SLOTS * pitch + _SPACE_MM, 1.0, 4.0
-    tab = np.array(
-        [
-            [0, 0],
-            [_TAB_MM + 2 * shoulder, 0],
-            [_TAB_MM + 2 * shoulder, 7],
-            [_TAB_MM + shoulder, 7],
-            [_TAB_MM + shoulder, 14],
-            [shoulder, 14],
-            [shoulder, 7],
-            [0, 7],
-        ]
-    ) + np.array([x, low])
+    tab = _tab_outline() + np.array([_SLOTS * pitch + _SPACE_MM, 1.0])
     cut = Layer(Operation.CUT, np.array(slits).reshape(-1, 2, 2), (*slots, tab))
     size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))
     return _Block((*words, cut), size)
+
+
+def _tab_outline() -> FloatArray:
+    """A tab on a handle with a shoulder on each side, lower left at the origin, shape (8, 2)."""
+    shoulder, low, high = 4.0, 7.0, 14.0
+    left, right, width = shoulder, shoulder + _TAB_MM, _TAB_MM + 2 * shoulder
+    corners = [
+        [0, 0],
+        [width, 0],
+        [width, low],
+        [right, low],
+        [right, high],
+        [left, high],
+        [left, low],
+        [0, low],
+    ]
+    return np.array(corners)

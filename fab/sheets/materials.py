@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 
-# What a material must state of its creases; all else takes the defaults of a job.
+# What a material must state about its creases; the rest takes the defaults of a job.
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
 
 
