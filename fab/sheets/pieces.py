@@ -182,9 +182,10 @@ def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
         findings.append(Finding("sheet-split", Severity.NOTE, text))
     bare = [seam.edges[0] for seam in made.seams if seam.tab is None]
     if bare and settings.tabs:
+        have, them = ("has", "it") if len(bare) == 1 else ("have", "them")
         text = (
-            f"{len(bare)} of {seams} {'has' if len(bare) == 1 else 'have'} no room for a tab. Use "
-            "tape, lower tab_mm, or enlarge the sheet."
+            f"{len(bare)} of {seams} {have} no room for a tab. Join {them} with tape, lower "
+            "tab_mm, or enlarge the sheet."
         )
         findings.append(Finding("tab-no-room", Severity.WARNING, text, creases=first_few(bare)))
     missing = sum(len(piece.unwritten) for piece in made.pieces)
