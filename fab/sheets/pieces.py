@@ -131,7 +131,7 @@ def _sheet(
 ) -> Sheet:
     """The pattern, and what its pieces must keep to: the room on the bed, with their tabs."""
     border = settings.border_mm
-    joined = (pattern.edges_faces[:, 1] >= 0) & (pattern.edges_assignment != "C")
+    joined = pattern.edges_joining
     glued = np.zeros(len(joined), bool)
     glued[closing.ravel()] = True
     room = (bed_mm[0] - 2 * border, bed_mm[1] - 2 * border)

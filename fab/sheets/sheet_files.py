@@ -33,7 +33,7 @@ from fab.sheets.registration import how_to_turn, two_sided
 from fab.sheets.sheet_report import estimate_report, sheet_report, sides_report
 from fab.sheets.sheet_request import SheetRequest
 from fab.sheets.work_estimate import estimate
-from solver.errors import InvalidValue
+from solver.errors import InvalidState, InvalidValue
 
 __all__ = ["fabricate", "sheet_names", "sheets"]
 
@@ -183,7 +183,7 @@ def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
         ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
     ]
     if not rings:
-        raise InvalidValue("sheet", "narrower than the kerf", "be wider", "Enlarge it.")
+        raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
     return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
 
 

@@ -21,8 +21,6 @@ from hypothesis import strategies as st
 from pypdf import PdfReader
 from scipy.spatial import cKDTree
 
-import fab.drawings as drawings_wing
-import fab.sheets as sheets_wing
 from fab.catalogue import shipped, shipped_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
@@ -477,16 +475,6 @@ def test_a_request_gives_its_margins_and_speeds():
     for copies in (0, -1, 1.5):
         with pytest.raises(InvalidValue, match="copies"):
             SheetRequest(material, machine, copies)
-
-
-def test_public_names_of_the_wing_are_those_of_its_modules():
-    assert sheets_wing.fabricate is fabricate
-    assert sheets_wing.SheetRequest is SheetRequest
-    assert all(
-        hasattr(wing, name) for wing in (sheets_wing, drawings_wing) for name in wing.__all__
-    )
-    with pytest.raises(AttributeError, match="no attribute 'fabricated'"):
-        sheets_wing.fabricated  # noqa: B018
 
 
 def test_sizes_are_asked_for_once():
