@@ -521,7 +521,7 @@ def test_a_fold_file_becomes_sheets(folder):
     report = json.loads((folder / "out" / "yoshimura_report.json").read_text())
     assert report["sheets"][0]["minutes"] > 0
     assert all(f["severity"] != Severity.ERROR for f in report["findings"])
-    assert "1 pieces, 0 seams, 1 sheets of 300 x 200 mm" in result.output
+    assert "1 piece, 0 seams, 1 sheet of 300 x 200 mm" in result.output
 
 
 def test_both_sides_are_written_in_every_format(folder):
