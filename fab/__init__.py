@@ -7,7 +7,7 @@
 | run a job | `load_job`, `parse_job`, `make`; `write` what was `Made` |
 | make files of a folded quad mesh | `from_mesh`, a `Sheet`: `sheet.write("out", ["dxf", "fold"])` |
 | read a crease pattern | `read_pattern`; `read_any` and `convert` between programs |
-| cut it | `fabricate`, with `load_material` and `load_machine` |
+| cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
 | fold it | `simulate`, with `FoldSettings` |
 | print it | `make_thick`, with `thick_settings` |
 | have it as solids | `thicken`, with `PanelSettings` and `HingeSettings`; `step_bytes` |
@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from fab.printing.thick_settings import thick_settings
     from fab.sheets.materials import load_machine, load_material
     from fab.sheets.sheet_files import fabricate
+    from fab.sheets.sheet_request import SheetRequest
 
     __version__: str
 
@@ -69,6 +70,7 @@ __all__ = [
     "PanelSettings",
     "Severity",
     "Sheet",
+    "SheetRequest",
     "__version__",
     "assembly",
     "convert",
@@ -104,6 +106,7 @@ _MODULES = {
     "PanelSettings": "fab.panels.bevelled_panels",
     "Severity": "fab.errors",
     "Sheet": "fab.jobs.job_files",
+    "SheetRequest": "fab.sheets.sheet_request",
     "assembly": "fab.panels.cad_assembly",
     "convert": "fab.formats.conversion",
     "fabricate": "fab.sheets.sheet_files",

@@ -65,6 +65,7 @@ def fabricate(
         from fab.sheets.materials import load_machine, load_material
         from fab.sheets.registration import Registration
         from fab.sheets.sheet_files import fabricate, sheet_names
+        from fab.sheets.sheet_request import SheetRequest
 
         stock, cutter = load_material(material), load_machine(machine)
         formats = formats_of(only, SheetFormat) or list(SheetFormat)
@@ -74,11 +75,7 @@ def fabricate(
             return fabricate(
                 pattern,
                 name,
-                stock,
-                cutter,
-                copies=copies,
-                registration=Registration() if two_sided else None,
-                formats=formats,
+                SheetRequest(stock, cutter, copies, Registration() if two_sided else None, formats),
                 findings=findings,
                 progress=progress,
             )

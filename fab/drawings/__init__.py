@@ -1,1 +1,7 @@
-"""..."""
+"""Drawings: cut paths by operation, and their files. Knows nothing of patterns.
+
+- `cut_paths`: lines by operation (`CutPaths`, `Layer`, `Operation`).
+- `layer_colours`: the colour of each operation.
+- `drawing_files`: files in the formats asked for; a new format is added to `SheetFormat`.
+- `dxf`, `svg`, `pdf`: a writer each; `number_records`: millions of numbers as text.
+"""

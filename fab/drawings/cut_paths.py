@@ -1,4 +1,4 @@
-"""Which lines does a machine run along, and what does it do there?"""
+"""Cut paths: the lines that a machine runs along, by what it does along them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["CutPaths", "Layer", "Operation", "joined"]
 
 
 class Operation(StrEnum):
-    """What the machine does along a line, in the order of the work. Each is a drawing layer."""
+    """What the machine does along a line, in the order of the work; each is a layer of drawings."""
 
     ENGRAVE = "ENGRAVE"
     MOUNTAIN = "MOUNTAIN"
@@ -38,7 +38,7 @@ class Layer:
     outlines: tuple[FloatArray, ...] = ()
 
     def moved(self, turn: FloatArray, shift: FloatArray) -> Layer:
-        """The layer with every point p at turn @ p + shift; shapes (2, 2) and (2,)."""
+        """The layer with every point p moved to turn @ p + shift; shapes (2, 2) and (2,)."""
         return replace(
             self,
             segments=self.segments @ turn.T + shift,
@@ -48,14 +48,19 @@ class Layer:
 
 @dataclass(frozen=True)
 class CutPaths:
-    """What one sheet has on it, in the order of the work; all lies within (0, 0) to `size_mm`."""
+    """What is on a sheet, in the order of the work; all of it is within (0, 0) to `size_mm`."""
 
     layers: tuple[Layer, ...]
     size_mm: tuple[float, float]
 
 
 def joined(layers: Sequence[Layer]) -> tuple[Layer, ...]:
-    """One layer for each operation that occurs, in the order of the work."""
+    """One layer for each operation that occurs, in the order of the work.
+
+    >>> layers = [Layer(Operation.CUT), Layer(Operation.ENGRAVE), Layer(Operation.CUT)]
+    >>> [layer.operation.value for layer in joined(layers)]
+    ['ENGRAVE', 'CUT']
+    """
     out = []
     for operation in Operation:
         same = [layer for layer in layers if layer.operation is operation]

@@ -1,4 +1,4 @@
-"""Which files hold the drawing of a sheet?"""
+"""Files of a drawing, in every format that is asked for."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["SheetFormat", "drawing_files"]
 
 
 class SheetFormat(StrEnum):
-    """The kinds of files of a sheet, named by their endings."""
+    """Formats of drawings, named by the endings of their files."""
 
     DXF = "dxf"
     SVG = "svg"
@@ -29,6 +29,11 @@ def drawing_files(
     dxf_version: DxfVersion = DxfVersion.R2000,
 ) -> dict[str, bytes]:
     """Files by name, in the order of `SheetFormat`; all of them hold the same lines.
+
+    Parameters
+    ----------
+    name : of the files, without their endings, and the title of the drawing.
+    colours : of the operations; where left out, the default ones.
 
     Raises `InvalidValue` where a sheet is larger than a page of PDF may be.
     """

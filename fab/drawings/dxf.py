@@ -1,9 +1,9 @@
-"""How do cut paths become a DXF file?
+"""DXF files of cut paths.
 
 Real segments, no linetypes; one layer and one colour per operation; millimetres in the header.
-ezdxf writes header, tables and outlines; the dashes are formatted in bulk and put before the
-outlines, because a million of them would otherwise take minutes, and because a machine that cuts in
-the order of the file must free pieces last.
+ezdxf writes header, tables and outlines. The dashes are formatted in bulk, because a million of
+them would otherwise take minutes, and put before the outlines, because a machine that cuts in the
+order of the file must free pieces last.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ __all__ = ["DxfVersion", "dxf_bytes", "write_dxf"]
 
 
 class DxfVersion(StrEnum):
-    """Which DXF is written.
+    """Versions of DXF.
 
-    R12 is for old machines alone. It has no LWPOLYLINE, so outlines are POLYLINEs, several times as
-    long; and no units: $INSUNITS and $MEASUREMENT stand in its header all the same, because
-    programs that look for them then open the sheet at its size. Those that don't take the numbers
-    for their own unit: tell them that these are millimetres.
+    R12 is for old machines only. It has no LWPOLYLINE, so outlines are POLYLINEs, several times as
+    long; and no units: $INSUNITS and $MEASUREMENT are in its header all the same, because programs
+    that look for them then open the sheet at its size. Other programs take the numbers for their
+    own unit: set that to millimetres.
     """
 
     R12 = "R12"
@@ -52,7 +52,7 @@ def dxf_bytes(
     colours: Colours | None = None,
     version: DxfVersion = DxfVersion.R2000,
 ) -> bytes:
-    """`write_dxf` into memory."""
+    """The bytes that `write_dxf` writes."""
     out = io.BytesIO()
     write_dxf(out, paths, colours, version)
     return out.getvalue()
@@ -64,7 +64,10 @@ def write_dxf(
     colours: Colours | None = None,
     version: DxfVersion = DxfVersion.R2000,
 ) -> None:
-    """Write the DXF file, the same bytes for the same paths, without holding it in memory."""
+    """Write the DXF file, the same bytes for the same paths, without holding it in memory.
+
+    Raises `InvalidValue` for coordinates that are not finite or not below 4e9.
+    """
     head, body, tail, owner, handle = _frame(paths, colours or Colours(), version)
     count = sum(len(layer.segments) for layer in paths.layers)
     handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
@@ -81,10 +84,10 @@ def write_dxf(
 def _frame(
     paths: CutPaths, colours: Colours, version: DxfVersion
 ) -> tuple[str, str, str, str, int]:
-    """What stands before the dashes (header apart) and behind them; their owner; a free handle."""
+    """The text before the dashes, the outlines, the text after them; owner; a free handle."""
     with _fixed_metadata():
         document = ezdxf.new(version)
-        if version is not DxfVersion.R12:  # there ezdxf leaves them out
+        if version is not DxfVersion.R12:  # ezdxf would leave them out
             document.units = InsertUnits.Millimeters
             document.header["$MEASUREMENT"] = 1
         space = document.modelspace()

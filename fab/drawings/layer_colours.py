@@ -1,4 +1,4 @@
-"""Which colour does each operation have in the drawings? Laser software tells its layers by it."""
+"""Layer colours: the colour of each operation, by which laser software distinguishes layers."""
 
 from __future__ import annotations
 
@@ -11,15 +11,20 @@ __all__ = ["Colour", "Colours"]
 
 
 class Colour(Settings):
-    """One colour, for drawings with any colours and for those with a palette."""
+    """A colour, for drawings with any colours and for those with a palette."""
 
     hex: str = Field(pattern=r"^#[0-9a-f]{6}$", description="#rrggbb, for SVG and PDF")
     aci: int = Field(ge=1, le=255, description="AutoCAD colour index, for DXF")
 
 
 class Colours(Settings):
-    """Colour by operation: by default green marks, red mountains, blue valleys, magenta relief
-    holes, black cuts (in DXF white on dark).
+    """Colours of the operations.
+
+    By default marks are green, mountains red, valleys blue, relief holes magenta, and cuts black
+    (white on dark in DXF).
+
+    >>> Colours().of(Operation.VALLEY).hex
+    '#0000ff'
     """
 
     engrave: Colour = Colour(hex="#00a000", aci=3)

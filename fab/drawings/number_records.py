@@ -1,8 +1,8 @@
-"""How are millions of numbers written as text at once?
+"""Records of numbers as text, millions at once.
 
-As records of equal length, one for each row of numbers, in a structured numpy array: its fields are
-text that is the same in all records, and groups of digits that are looked up in tables. Numbers
-keep leading zeros ("007.250000", "-012.500000"), which DXF, SVG and PDF readers take as any other.
+Records are of equal length, one for each row of numbers, in a structured numpy array: its fields
+are text that is the same in all records, and groups of digits that are looked up in tables. Numbers
+keep leading zeros ("007.250000", "-012.500000"), which readers of DXF, SVG and PDF accept.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from solver.vectors import FloatArray, IntArray
 
 __all__ = ["write_records"]
 
-# Over this six decimals are no longer held exactly.
+# Above this, double precision no longer holds six decimals.
 _MOST = 4e9
-# Below this millionths fit into 32 bits.
+# Below this, millionths fit into 32 bits.
 _MOST_32 = 4290
-# So many records at a time stay in the processor's cache.
+# Up to about this many records at a time stay in the processor's cache.
 _CHUNK = 4096
 
 Text = NDArray[np.bytes_]
@@ -38,10 +38,17 @@ def write_records(
     Parameters
     ----------
     text : one more than there are numbers in a record; only the first may be empty.
-    rows : shape (n, k), written with six decimals. Raises `InvalidValue` where one is not finite or
-        not below 4e9.
-    handle : where given, each record has one number more, the first: a hexadecimal one that counts
-        up from here. All are as long as handle + n.
+    rows : shape (n, k), written with six decimals.
+    handle : where given, each record has a number more, the first: a hexadecimal one that counts up
+        from `handle`. All are as long as handle + n.
+
+    Raises `InvalidValue` for numbers that are not finite or not below 4e9.
+
+    >>> import io
+    >>> stream = io.BytesIO()
+    >>> write_records(stream, [b"M", b",", b" "], np.array([[0.5, 12.0], [7.25, 3.0]]))
+    >>> stream.getvalue()
+    b'M00.500000,12.000000 M07.250000,03.000000 '
     """
     if not len(rows):
         return
@@ -85,7 +92,7 @@ def _blank(columns: Sequence[bytes | Text], count: int) -> NDArray[np.void]:
 def _decimals(
     values: FloatArray, most: int, sign: bool, after: Sequence[bytes]
 ) -> list[list[Text]]:
-    """For each row of values: sign, whole part, point, six decimals and the character behind.
+    """For each row of values: sign, whole part, point, six decimals and the character after them.
 
     The whole part is as long as that of `most`.
     """
@@ -123,6 +130,7 @@ def _counted(first: int, count: int, width: int) -> list[Text]:
 
 @cache
 def _table(form: str, count: int, after: bytes = b"") -> Text:
+    """The numbers below `count` in a form, each with the same text after it."""
     return np.array([(form % i).encode() + after for i in range(count)])
 
 

@@ -1,6 +1,6 @@
-"""How do cut paths become a PDF page at 1:1?
+"""PDF files of cut paths, at 1:1.
 
-One page exactly as large as the sheet, one optional content group (layer) per operation, hairlines.
+A page exactly as large as the sheet, an optional content group (layer) per operation, hairlines.
 pikepdf makes the file; what is drawn on the page is formatted in bulk.
 """
 
@@ -23,14 +23,15 @@ __all__ = ["pdf_bytes"]
 _POINTS_PER_MM = 72 / 25.4
 # ISO 32000-1, annex C: 14400 units, that is 200 inches.
 _LARGEST_MM = 5080.0
-# Drivers of laser cutters take lines up to 0.001 inch for paths to follow.
+# Drivers of laser cutters follow lines of up to 0.001 inch as paths.
 _HAIRLINE_MM = 0.01
 
 
 def pdf_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
     """The PDF file, the same bytes for the same paths; as seen from the upper side, y up.
 
-    Raises `InvalidValue` where the sheet is larger than a page may be.
+    title : of the document; "_" replaces what cannot be printed. Raises `InvalidValue` where the
+    sheet is larger than a page may be.
     """
     if max(paths.size_mm) > _LARGEST_MM:
         cure = "Split the sheet, or write DXF or SVG."
@@ -66,7 +67,7 @@ def pdf_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
 
 
 def _write_group(out: BinaryIO, layer: Layer, colour: str) -> None:
-    """The lines of a layer, each stroked by itself: readers keep no path of a million parts."""
+    """Write the lines of a layer, each stroked alone: readers keep no path of a million parts."""
     red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
     name = layer.operation.encode()
     out.write(b"/OC /%b BDC\n%.4f %.4f %.4f RG\n" % (name, red, green, blue))

@@ -1,6 +1,6 @@
-"""How do cut paths become an SVG file?
+"""SVG files of cut paths.
 
-In millimetres, one group per operation with Inkscape's layer attributes, hairline strokes.
+In millimetres, a group per operation with Inkscape's layer attributes, hairline strokes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ _HAIRLINE_MM = 0.1
 def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
     """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
 
-    SVG's y axis points down, so y is turned around: the picture is not mirrored.
+    The y axis of SVG points down, so y is turned around: the picture is not mirrored.
+    title : of the document; "_" replaces what cannot be printed.
     """
     width, height = paths.size_mm
     edge = _HAIRLINE_MM  # room for half a stroke on every side
@@ -45,6 +46,7 @@ def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
 
 
 def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str) -> None:
+    """Write the lines of a layer: all segments in one path, each outline in its own."""
     name = quoteattr(layer.operation)
     out.write(
         f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '

@@ -13,7 +13,7 @@ from fab.jobs.design_settings import SHIPPED_DESIGNS
 from fab.pattern.development import Development
 from fab.printing.thick_settings import ThickSettings
 from fab.settings import Settings, apply_change, checked, read_toml
-from fab.sheets.perforation import PerforationSettings
+from fab.sheets.perforation_settings import PerforationSettings
 
 __all__ = ["Job", "SheetSettings", "SheetSize", "load_job", "parse_job"]
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from fab.geometry.boxes import smallest_box
 from fab.layout.gap_filling import Gaps
 from fab.progress import Steps, no_steps
 from solver.errors import (
@@ -229,7 +230,7 @@ def _rotation(angle_deg: float) -> FloatArray:
 
 def _box_turns_deg(polygon: shapely.Polygon) -> list[float]:
     """The turn to the box of least area, in (0, 90) degrees; none where that is upright already."""
-    corner = shapely.get_coordinates(shapely.oriented_envelope(polygon))
+    corner = smallest_box(polygon)
     side = corner[1] - corner[0]
     turn = float(-np.degrees(np.arctan2(side[1], side[0])) % 90.0)
     return [turn] if _SAME_TURN_DEG < turn < 90 - _SAME_TURN_DEG else []

@@ -1,1 +1,29 @@
-"""..."""
+"""Sheets: a crease pattern cut from sheet material by a laser cutter or plotter.
+
+From pattern to files:
+
+- `sheet_request`: what is asked for: material, machine, copies, sides, formats.
+- `sheet_files`: all files of the sheets, from all that follows; `sheet_report`: their report.
+- `materials`: sheet materials and cutters, as data.
+
+Pieces:
+
+- `pieces`: the pattern in pieces that fit the bed; `piece_patterns`: each as a pattern of its own.
+- `seams`: where pieces are glued together.
+- `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters.
+
+Lines to cut:
+
+- `perforation`: creases, relief holes and outlines of a piece as cut paths;
+  `perforation_settings`: what can be set; `crease_styles`: dashes, dots, lattices and others;
+  `crease_cuts`: where along a crease each style cuts.
+- `lattice_room`: room for lattice hinges; `relief_holes`: holes at vertices; `kerf`: outlines moved
+  by half the beam.
+- `crease_findings`, `feature_size`: what is too fine to be cut as asked for.
+
+Work on the machine:
+
+- `registration`: front and back of a sheet scored on both sides.
+- `cutting_order`: the order of lines, by `tours` with little travel; `work_estimate`: time.
+- `coupon`: a test card for a material on a machine.
+"""

@@ -1,9 +1,9 @@
-"""Which test card finds the right values for a material on a machine?
+"""Test card that finds the right values for a material on a machine.
 
-Tongues that can be folded, each on a crease of its own style: cuts grow to the right, gaps upwards,
-around the material's starting values (the lengths are engraved as cut / gap). Below them a comb of
-slots, and a tab: the slot that holds it tightly is labelled with the kerf. Nothing is corrected for
-kerf here: that is what the card is to tell.
+It has tongues that can be folded, each on a crease of its own style: cuts grow to the right, gaps
+upwards, around the material's starting values (the lengths are engraved as cut / gap). Below them
+are a comb of slots, and a tab: the slot that holds it tightly is labelled with the kerf. Nothing is
+corrected for the kerf, since the card is to measure it.
 """
 
 from __future__ import annotations
@@ -15,20 +15,16 @@ import numpy as np
 from pydantic import ValidationError
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
-from fab.sheets.crease_styles import (
-    CreaseStyle,
-    EngraveStyle,
-    LatticeStyle,
-    cuts_along,
-    unscaled_length,
-)
+from fab.sheets.crease_cuts import cuts_along, unscaled_length
+from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle
 from fab.sheets.labels import text_outlines, text_width
 from fab.sheets.materials import Machine, Material, perforation_for
 from solver.errors import InvalidValue
+from solver.vectors import FloatArray
 
 __all__ = ["coupon"]
 
-# Shares of the starting values, the widest table first; the first one that fits is taken.
+# Shares of the starting values, the widest table first; the first that fits is taken.
 _TABLES = ((0.5, 0.7, 1.0, 1.4, 2.0), (0.7, 1.0, 1.4), (1.0,))
 _SPACE_MM = 4.0
 _LETTER_MM = 2.5
@@ -52,15 +48,16 @@ class _Block:
     size: tuple[float, float]
 
     def at(self, x: float, y: float) -> list[Layer]:
+        """The layers with the lower left corner at (x, y)."""
         return [layer.moved(np.eye(2), np.array([x, y])) for layer in self.layers]
 
 
 def coupon(machine: Machine, material: Material) -> CutPaths:
     """The test card on the bed, as large as need be, in the lower left corner of its margins.
 
-    For machines whose software perforates by itself the creases are whole lines, one of each
-    letter: there the software's own cut and skip lengths are tried. Raises `InvalidValue` where
-    not even one tongue of each letter fits the bed.
+    For machines whose software perforates by itself the creases are whole lines, one for mountains
+    and one for valleys: on them the software's own cut and skip lengths are tried. Raises
+    `InvalidValue` where not even these two tongues fit the bed.
     """
     perforation = perforation_for(machine, material)
     styles = {Operation.MOUNTAIN: perforation.mountain, Operation.VALLEY: perforation.valley}
@@ -81,6 +78,7 @@ def coupon(machine: Machine, material: Material) -> CutPaths:
 
 
 def _beside(blocks: Sequence[_Block]) -> _Block:
+    """Blocks in a row, from left to right."""
     x, layers = 0.0, []
     for block in blocks:
         layers += block.at(x, 0)
@@ -89,6 +87,7 @@ def _beside(blocks: Sequence[_Block]) -> _Block:
 
 
 def _above(blocks: Sequence[_Block]) -> _Block:
+    """Blocks in a column, from below upwards."""
     y, layers = 0.0, []
     for block in blocks:
         layers += block.at(0, y)
@@ -97,6 +96,7 @@ def _above(blocks: Sequence[_Block]) -> _Block:
 
 
 def _framed(block: _Block) -> _Block:
+    """A block with the outline of the card around it."""
     width, height = block.size[0] + 2 * _SPACE_MM, block.size[1] + 2 * _SPACE_MM
     outline = np.array([[0, 0], [width, 0], [width, height], [0, height]])
     frame = Layer(Operation.CUT, outlines=(outline,))
@@ -108,7 +108,7 @@ def _table(
 ) -> _Block:
     """Tongues with cuts of all shares (columns) by gaps of all shares (rows).
 
-    Those that no style allows, such as dots as long as their pitch, are left out.
+    Lengths that the style does not allow, such as dots as long as their pitch, are left out.
     """
     keys = _TRIED.get(style.kind)
     if keys is None:
@@ -135,7 +135,7 @@ def _table(
 def _tongue(
     letter: Operation, style: CreaseStyle, label: str, wanted: float, material: Material
 ) -> _Block:
-    """A tongue cut free on three sides; the fourth, above, is the crease. About `wanted` wide."""
+    """A tongue cut free on three sides, about `wanted` mm wide; the upper side is the crease."""
     length = unscaled_length(style, wanted)
     margin = material.perforation.margin_mm
     width = length + 2 * margin
@@ -156,7 +156,7 @@ def _tongue(
 
 
 def _text(text: str, height_mm: float, middle: float) -> Layer:
-    """A line of text in the strip below what it names, its middle at this x."""
+    """A line of text in the strip below what it names, its middle at x = `middle`."""
     return Layer(
         Operation.ENGRAVE, outlines=text_outlines(text, height_mm, (middle, _LETTER_MM), 0.0)
     )
@@ -182,19 +182,24 @@ def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
         else:
             slits.append([[x, low], [x, low + length]])
         words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
-    x, low, shoulder = _SLOTS * pitch + _SPACE_MM, 1.0, 4.0
-    tab = np.array(
-        [
-            [0, 0],
-            [_TAB_MM + 2 * shoulder, 0],
-            [_TAB_MM + 2 * shoulder, 7],
-            [_TAB_MM + shoulder, 7],
-            [_TAB_MM + shoulder, 14],
-            [shoulder, 14],
-            [shoulder, 7],
-            [0, 7],
-        ]
-    ) + np.array([x, low])
+    tab = _tab_outline() + np.array([_SLOTS * pitch + _SPACE_MM, 1.0])
     cut = Layer(Operation.CUT, np.array(slits).reshape(-1, 2, 2), (*slots, tab))
     size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))
     return _Block((*words, cut), size)
+
+
+def _tab_outline() -> FloatArray:
+    """A tab on a handle with a shoulder on each side, lower left at the origin, shape (8, 2)."""
+    shoulder, low, high = 4.0, 7.0, 14.0
+    left, right, width = shoulder, shoulder + _TAB_MM, _TAB_MM + 2 * shoulder
+    corners = [
+        [0, 0],
+        [width, 0],
+        [width, low],
+        [right, low],
+        [right, high],
+        [left, high],
+        [left, low],
+        [0, low],
+    ]
+    return np.array(corners)

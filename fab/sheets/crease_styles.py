@@ -1,25 +1,16 @@
-"""Where along a crease does each style of perforation cut?
-
-A style repeats marks (cuts at given places of a period) from one end of the crease's room to the
-other; the last period is closed by its first mark, so that every row reads the same from both ends.
-"""
+"""Styles of creases, as a job or a material sets them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, Literal, TypeAlias
 
-import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from fab.settings import Settings
-from solver.errors import InvalidValue, require_finite
-from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [
     "CreaseStyle",
-    "Cuts",
     "DashDotStyle",
     "DashStyle",
     "DotStyle",
@@ -27,17 +18,7 @@ __all__ = [
     "LatticeStyle",
     "NoStyle",
     "ScoreStyle",
-    "cuts_along",
-    "require_kerf",
-    "unscaled_length",
 ]
-
-# What is left of a crease between its margins must be longer than this to be cut; pierces are drawn
-# as cuts of this length.
-SHORTEST_CUT_MM = 0.01
-# A cutter takes days over more, and they fill the memory.
-_MOST_DASHES = 5_000_000
-_WIDEST_KERF_MM = 10.0
 
 _Length = Annotated[float, Field(ge=0.01, le=1000)]
 
@@ -57,7 +38,7 @@ class DashStyle(Settings):
 
 
 class DashDotStyle(Settings):
-    """Dash, gap, dot, gap; a dash at both ends."""
+    """Dash, gap, dot, gap, and so on, with a dash at both ends."""
 
     kind: Literal["dash_dot"] = "dash_dot"
     cut_mm: _Length = Field(description="length of each dash")
@@ -86,7 +67,7 @@ class LatticeStyle(Settings):
     """A living hinge for rigid sheet: rows of slits along the crease, every other one shifted.
 
     The band is (rows - 1) pitch_mm wide, with the crease in its middle. A crease without room for
-    two slits in a row has one alone, on its line, and does not bend.
+    two slits in a row has a single one, on its line, and does not bend.
     """
 
     kind: Literal["lattice"] = "lattice"
@@ -127,7 +108,7 @@ class NoStyle(Settings):
     kind: Literal["none"] = "none"
 
 
-def _dashes_unless_said(value: Any) -> Any:
+def _dashes_by_default(value: Any) -> Any:
     if isinstance(value, Mapping) and "kind" not in value:
         return {"kind": "dashes", **value}
     return value
@@ -136,187 +117,5 @@ def _dashes_unless_said(value: Any) -> Any:
 CreaseStyle: TypeAlias = Annotated[
     ScoreStyle | DashStyle | DashDotStyle | DotStyle | LatticeStyle | EngraveStyle | NoStyle,
     Field(discriminator="kind"),
-    BeforeValidator(_dashes_unless_said),
+    BeforeValidator(_dashes_by_default),
 ]
-
-
-@dataclass(frozen=True)
-class Cuts:
-    """Cuts of one style along many lines.
-
-    Attributes
-    ----------
-    segments : shape (n, 2, 2): cut, end, coordinate, mm.
-    owner : the number of each cut's line, shape (n,), rising.
-    pierced : which cuts were not longer than the kerf and became pierces, shape (n,).
-    """
-
-    segments: FloatArray
-    owner: IntArray
-    pierced: BoolArray
-
-
-def cuts_along(
-    ends: FloatArray, style: CreaseStyle, trim_mm: float | FloatArray, kerf_mm: float = 0.0
-) -> Cuts:
-    """Cuts along lines, symmetrical in each line's room, with a whole number of periods in it.
-
-    Parameters
-    ----------
-    ends : shape (n, 2, 2): line, end, coordinate, mm.
-    trim_mm : what stays uncut at the ends of the lines; one length, or shape (n, 2). The room is
-        the rest of the line.
-    kerf_mm : width of the beam. It lengthens each cut by half of it at both ends, so cuts are drawn
-        shorter by that much, and gaps and margins come out as asked for. Cuts not longer than the
-        kerf are drawn as pierces of 0.01 mm.
-
-    All lengths of a pattern are scaled alike to fit; its first cut begins and its last one ends at
-    the ends of the room. A line too short for two cuts has one in the middle of its room, not
-    longer than asked for. A line with a room of 0.01 mm or less has none.
-
-    Raises `InvalidValue` for a negative kerf, one that joins cuts, and for more than 5 million
-    cuts.
-    """
-    require_kerf(kerf_mm)
-    span = ends[:, 1] - ends[:, 0]
-    length = np.hypot(span[:, 0], span[:, 1])
-    trim = np.broadcast_to(np.asarray(trim_mm, np.float64), (len(ends), 2))
-    room = length - trim.sum(axis=1)
-    rows = _rows(room, style, kerf_mm)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        direction = span / length[:, None]
-    across = direction[:, ::-1] * [-1, 1]
-    parts, pierced = [], []
-    for row in rows:
-        begin = row.begin + trim[row.owner, 0]
-        along, short = _drawn(begin, begin + row.length, row.owner, kerf_mm)
-        origin = ends[row.owner, 0]
-        if isinstance(style, LatticeStyle):
-            origin = origin + row.height_mm[row.owner, None] * across[row.owner]
-        parts.append(origin[:, None] + along[:, :, None] * direction[row.owner][:, None])
-        pierced.append(short)
-    if len(rows) == 1:
-        return Cuts(parts[0], rows[0].owner, pierced[0])
-    owner = np.concatenate([row.owner for row in rows])
-    order = np.argsort(owner, kind="stable")
-    return Cuts(np.concatenate(parts)[order], owner[order], np.concatenate(pierced)[order])
-
-
-def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> float:
-    """The room about `near_mm` long in which cuts come out exactly as long as the style says.
-
-    periods : how many there are at least. Styles without a rhythm fit any room.
-    """
-    if isinstance(style, ScoreStyle | EngraveStyle | NoStyle):
-        return near_mm
-    period, marks = _rhythm(style)
-    first = float(marks[0, 1])
-    return first + period * max(periods, round((near_mm - first) / period))
-
-
-def require_kerf(kerf_mm: float) -> None:
-    """Raise `InvalidValue` unless `kerf_mm` lies from 0 to 10."""
-    require_finite("kerf_mm", kerf_mm)
-    if not 0 <= kerf_mm <= _WIDEST_KERF_MM:
-        raise InvalidValue(
-            "kerf_mm",
-            kerf_mm,
-            f"lie from 0 to {_WIDEST_KERF_MM:g}",
-            "Give the width of what the beam takes away, 0 for a knife.",
-        )
-
-
-@dataclass(frozen=True)
-class _Row:
-    """Wanted cuts of one row: their lines (m,), where in the room they begin, how long they are;
-    and how far the row lies to the left of each line (n,).
-    """
-
-    owner: IntArray
-    begin: FloatArray
-    length: FloatArray
-    height_mm: FloatArray
-
-
-def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
-    period, marks = _rhythm(style)
-    first = marks[0, 1]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if isinstance(style, ScoreStyle | EngraveStyle):
-            repeats, scale = np.zeros(len(room), np.int64), room
-        else:
-            repeats = np.maximum(0, np.rint((room - first) / period)).astype(np.int64)
-            scale = room / np.where(repeats > 0, repeats * period + first, np.maximum(first, room))
-    has = (room > SHORTEST_CUT_MM) & (not isinstance(style, NoStyle))
-    many = has & (repeats > 0)
-    heights: FloatArray = np.zeros(1)
-    if isinstance(style, LatticeStyle):
-        if style.pitch_mm <= kerf_mm:
-            raise InvalidValue(
-                "pitch_mm",
-                style.pitch_mm,
-                f"be greater than kerf_mm = {kerf_mm:g}",
-                "Set the rows of the lattice further apart.",
-            )
-        side = style.width_mm / 2
-        heights = np.linspace(-side, side, style.rows)
-    whole = np.where(has, repeats * len(marks) + 1, 0)
-    # a line with room for one cut alone has it in the first row, moved onto the line
-    shifted, beside = np.where(many, repeats, 0), np.where(many, whole, 0)
-    counts = [whole, *(shifted if row % 2 else beside for row in range(1, len(heights)))]
-    total = sum(int(count.sum()) for count in counts)
-    if total > _MOST_DASHES:
-        raise InvalidValue(
-            "number of dashes",
-            total,
-            f"be at most {_MOST_DASHES}",
-            "Raise cut_mm and gap_mm, or make the sheet smaller.",
-        )
-    start = np.where(repeats > 0, 0.0, (room - scale * first) / 2)
-    rows = []
-    for row, (count, height) in enumerate(zip(counts, heights, strict=True)):
-        owner = np.repeat(np.arange(len(room)), count)
-        turn = np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
-        place: float | FloatArray = row % 2 * period / 2
-        size: float | FloatArray = first
-        if len(marks) > 1:
-            turn, mark = np.divmod(turn, len(marks))
-            place, size = marks[mark, 0], marks[mark, 1]
-        begin = start[owner] + scale[owner] * (turn * period + place)
-        rows.append(_Row(owner, begin, scale[owner] * size, np.where(many, height, 0.0)))
-    return rows
-
-
-def _rhythm(style: CreaseStyle) -> tuple[float, FloatArray]:
-    """Period, and the marks in it: where each begins and how long it is, shape (k, 2)."""
-    match style:
-        case DashStyle() | LatticeStyle():
-            return style.cut_mm + style.gap_mm, np.array([[0.0, style.cut_mm]])
-        case DashDotStyle():
-            dot = style.cut_mm + style.gap_mm
-            period = dot + style.dot_mm + style.gap_mm
-            return period, np.array([[0.0, style.cut_mm], [dot, style.dot_mm]])
-        case DotStyle():
-            return style.pitch_mm, np.array([[0.0, style.dot_mm]])
-    return 1.0, np.array([[0.0, 1.0]])
-
-
-def _drawn(
-    begin: FloatArray, end: FloatArray, owner: IntArray, kerf_mm: float
-) -> tuple[FloatArray, BoolArray]:
-    """What to draw for the wanted cuts of a row, shape (m, 2), and which become pierces (m,)."""
-    if kerf_mm == 0:
-        return np.stack([begin, end], axis=1), np.zeros(len(begin), bool)
-    pierced = end - begin - kerf_mm < SHORTEST_CUT_MM
-    half = np.where(pierced, SHORTEST_CUT_MM, end - begin - kerf_mm) / 2
-    middle = (begin + end) / 2
-    along = np.stack([middle - half, middle + half], axis=1)
-    bridge = (along[1:, 0] - along[:-1, 1])[owner[1:] == owner[:-1]].min(initial=np.inf)
-    if bridge <= kerf_mm:
-        raise InvalidValue(
-            "kerf_mm",
-            kerf_mm,
-            f"be less than {bridge:.6g}, the length drawn between two cuts",
-            "Cuts would join: raise gap_mm or pitch_mm, or take the style score.",
-        )
-    return along, pierced

@@ -1,4 +1,4 @@
-r"""Where does a glue tab stand on a seam, and how large may it be?
+r"""Glue tabs: on which side of each seam there is one, and how large it may be.
 
 A tab is a trapezoid on one of the two pieces, to be glued under the face across the seam:
 
@@ -13,12 +13,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from fab.geometry.rings import next_corner
 from fab.layout.face_sets import outer_corners
+from fab.pattern.crease_pattern import CreasePattern
+from fab.sheets.seams import SeamSides
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Banks", "corner_angles", "placed_tabs"]
+__all__ = ["Tabs", "corner_angles", "glue_tabs"]
 
 # A lower tab cannot be glued.
 _LEAST_MM = 1.0
@@ -32,31 +35,38 @@ _FREE_MM = 0.3
 _LEAST_MITRE_DEG = 8.0
 _CONTACT_MM = 1e-6
 
+Shapes = NDArray[np.object_]
+
 
 @dataclass(frozen=True)
-class Banks:
-    """Both sides of every seam: the edge of a piece, and the face that comes to lie beyond it.
+class Tabs:
+    """The tab of each seam.
 
     Attributes
     ----------
-    ends : shape (n, 2, 2, 2): seam, side, end, coordinate; the piece's face lies to the left.
-    vertices : numbers of the ends, shape (n, 2, 2).
-    pieces : shape (n, 2).
-    gaps : angle outside of the piece at both ends, radians, shape (n, 2, 2).
-    beyond : the face of the other side, laid beside the edge, polygons of shape (n, 2).
-    beyond_angles : its angles at both ends, radians, shape (n, 2, 2).
+    side : the side of the seam that carries the tab, -1 for none, shape (n,).
+    tops : the tab's outer corners p and q in the plane of the whole pattern, mm, NaN for none,
+        shape (n, 2, 2).
     """
 
-    ends: FloatArray
-    vertices: IntArray
-    pieces: IntArray
-    gaps: FloatArray
-    beyond: object
-    beyond_angles: FloatArray
+    side: IntArray
+    tops: FloatArray
+
+    @classmethod
+    def none(cls, count: int) -> Tabs:
+        """No tab on any of `count` seams."""
+        return cls(np.full(count, -1), np.full((count, 2, 2), np.nan))
 
 
 def corner_angles(coords: FloatArray, corners: IntArray, offsets: IntArray) -> FloatArray:
-    """Angle inside each counterclockwise face at each of its corners, radians, shape (total,)."""
+    """Angle inside each counterclockwise face at each of its corners, radians, shape (total,).
+
+    Face i has the vertices corners[offsets[i]:offsets[i + 1]] of `coords`, shape (nv, 2).
+
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> np.degrees(corner_angles(square, np.arange(4), np.array([0, 4]))).tolist()
+    [90.0, 90.0, 90.0, 90.0]
+    """
     following = next_corner(offsets)
     ahead = coords[corners[following]] - coords[corners]
     back = np.empty_like(ahead)
@@ -67,98 +77,241 @@ def corner_angles(coords: FloatArray, corners: IntArray, offsets: IntArray) -> F
     return out
 
 
-def placed_tabs(
-    banks: Banks,
+def glue_tabs(
+    pattern: CreasePattern,
+    faces_piece: IntArray,
+    sides: SeamSides,
     tab_mm: float,
     angle_deg: float,
-    faces: object,
-    faces_piece: IntArray,
-    corners_key: IntArray,
-    vertex_count: int,
-) -> tuple[IntArray, FloatArray]:
-    """For each seam the side that carries its tab, -1 for none, and the tab's corners p, q.
+) -> Tabs:
+    """The tab of each seam, with the side that carries it.
 
     Tabs overlap no face of their piece and no other tab of it, and lie within the face that they
-    are glued to. The side with room for the higher tab carries it; of equal ones the piece with
-    fewer tabs so far.
+    are glued to. The side with room for the higher tab carries it; where both have the same room,
+    the piece with fewer tabs up to then.
 
-    faces : the polygons of the faces; faces_piece : their pieces, shape (nf,); corners_key : sorted
-    face * vertex_count + vertex of all faces' corners.
+    Parameters
+    ----------
+    faces_piece : number of the piece that each face is in, shape (nf,).
+    tab_mm : greatest height; angle_deg : greatest angle at the foot of a tab, up to 90.
     """
-    count = len(banks.ends)
-    ends = banks.ends.reshape(-1, 2, 2)  # row 2 * seam + side
-    free = np.radians(_FREE_DEG)
-    mitre = np.minimum(np.radians(angle_deg), banks.gaps.reshape(-1, 2) / 2 - free)
-    mitre = np.minimum(mitre, banks.beyond_angles.reshape(-1, 2) - free)
+    if not len(sides):
+        return Tabs.none(0)
+    faces = _FaceSet.of(pattern, faces_piece)
+    offers = _offers(pattern, faces, sides, tab_mm, angle_deg)
+    good = ~_touch_faces(offers, faces)
+    return _chosen(offers, good, _clashes(offers, good), len(sides))
+
+
+@dataclass(frozen=True)
+class _FaceSet:
+    """The faces of a pattern, each in its piece, with what is looked up of their corners.
+
+    Attributes
+    ----------
+    polygons, piece : shape (nf,).
+    corners_key : face * vertex_count + vertex of all faces' corners, sorted, shape (total,);
+        corners_angle : the angle inside the face at each of them, radians.
+    pieces_key : piece * vertex_count + vertex of all pieces' corners, sorted; pieces_angle : the
+        sum of the angles inside the piece's faces at each of them, radians.
+    """
+
+    polygons: Shapes
+    piece: IntArray
+    corners_key: IntArray
+    corners_angle: FloatArray
+    pieces_key: IntArray
+    pieces_angle: FloatArray
+    vertex_count: int
+
+    @classmethod
+    def of(cls, pattern: CreasePattern, faces_piece: IntArray) -> _FaceSet:
+        coords, corners = pattern.vertices_coords, pattern.faces_vertices
+        count = len(coords)
+        angles = corner_angles(coords, corners, pattern.faces_offsets)
+        face = np.repeat(np.arange(pattern.face_count), np.diff(pattern.faces_offsets))
+        key = face * count + corners
+        order = np.argsort(key)
+        pieces_key, group = np.unique(faces_piece[face] * count + corners, return_inverse=True)
+        return cls(
+            shapely.polygons(shapely.linearrings(coords[corners], indices=face)),
+            faces_piece,
+            key[order],
+            angles[order],
+            pieces_key,
+            np.asarray(np.bincount(group, angles), np.float64),
+            count,
+        )
+
+    def angles_in_faces(self, faces: IntArray, vertices: IntArray) -> FloatArray:
+        """Angles inside faces at corners of them, radians."""
+        place = np.searchsorted(self.corners_key, faces * self.vertex_count + vertices)
+        return self.corners_angle[place]
+
+    def angles_in_pieces(self, pieces: IntArray, vertices: IntArray) -> FloatArray:
+        """Angles inside pieces at corners of them, radians."""
+        place = np.searchsorted(self.pieces_key, pieces * self.vertex_count + vertices)
+        return self.pieces_angle[place]
+
+    def are_corners(self, faces: IntArray, vertices: IntArray) -> BoolArray:
+        """Whether vertices are corners of faces."""
+        key = faces * self.vertex_count + vertices
+        place = np.minimum(np.searchsorted(self.corners_key, key), len(self.corners_key) - 1)
+        out: BoolArray = self.corners_key[place] == key
+        return out
+
+
+@dataclass(frozen=True)
+class _Offers:
+    """Tabs that may be chosen; several of different heights on a side of a seam.
+
+    Attributes
+    ----------
+    row : 2 * seam + side, rising, shape (m,).
+    height_mm, piece : shape (m,). corners : vertices at the tab's foot, shape (m, 2).
+    tops : outer corners, shape (m, 2, 2). polygons : the tabs, shape (m,).
+    """
+
+    row: IntArray
+    height_mm: FloatArray
+    piece: IntArray
+    corners: IntArray
+    tops: FloatArray
+    polygons: Shapes
+
+    @property
+    def shrunk(self) -> Shapes:
+        """The tabs less what only touches them."""
+        out: Shapes = shapely.buffer(self.polygons, -_CONTACT_MM, join_style="mitre")
+        return out
+
+    @property
+    def grown(self) -> Shapes:
+        """The tabs and what is kept free around them."""
+        out: Shapes = shapely.buffer(self.polygons, _FREE_MM, join_style="mitre")
+        return out
+
+
+def _offers(
+    pattern: CreasePattern, faces: _FaceSet, sides: SeamSides, tab_mm: float, angle_deg: float
+) -> _Offers:
+    """Tabs of several heights on both sides of all seams, within the face that they go under."""
+    ends = pattern.vertices_coords[sides.vertices].reshape(-1, 2, 2)  # row 2 * seam + side
+    mitre = _mitres(faces, sides, angle_deg)
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     possible = (mitre >= np.radians(_LEAST_MITRE_DEG)).all(axis=1)
     mitre[~possible] = np.pi / 4
     most = np.minimum(tab_mm, (1 - _LEAST_TOP) * length / (1 / np.tan(mitre)).sum(axis=1))
-    rows = np.flatnonzero(possible).repeat(len(_SHARES))
-    height = most[rows] * np.tile(_SHARES, int(possible.sum()))
+    row = np.flatnonzero(possible).repeat(len(_SHARES))
+    height = most[row] * np.tile(_SHARES, int(possible.sum()))
     tall = height >= _LEAST_MM
-    rows, height = rows[tall], height[tall]
-    tops = outer_corners(ends[rows], height, mitre[rows])
-    tabs = shapely.polygons(np.concatenate([ends[rows][:, ::-1], tops], axis=1))
-    beyond = np.asarray(banks.beyond).reshape(-1)
+    row, height = row[tall], height[tall]
+    tops = outer_corners(ends[row], height, mitre[row])
+    polygons = shapely.polygons(np.concatenate([ends[row][:, ::-1], tops], axis=1))
+    beyond = _faces_beyond(pattern, faces, sides)
     room = shapely.buffer(beyond, _CONTACT_MM, join_style="mitre")
-    good = shapely.covers(room[rows], tabs)
-    rows, height, tops, tabs = rows[good], height[good], tops[good], tabs[good]
-    piece = banks.pieces.reshape(-1)[rows]
-    corners = banks.vertices.reshape(-1, 2)[rows]
-    shrunk = shapely.buffer(tabs, -_CONTACT_MM, join_style="mitre")
-    grown = shapely.buffer(tabs, _FREE_MM, join_style="mitre")
+    within = shapely.covers(room[row], polygons)
+    row = row[within]
+    return _Offers(
+        row,
+        height[within],
+        sides.pieces.reshape(-1)[row],
+        sides.vertices.reshape(-1, 2)[row],
+        tops[within],
+        polygons[within],
+    )
 
-    # no face of the piece lies in a tab, nor close by unless it shares a corner
-    tab, face = shapely.STRtree(np.asarray(faces)).query(grown, predicate="intersects")
-    same = faces_piece[face] == piece[tab]
+
+def _mitres(faces: _FaceSet, sides: SeamSides, angle_deg: float) -> FloatArray:
+    """Greatest angle at both ends of a tab's foot, radians, shape (2 n, 2).
+
+    A tab takes at most half of the gap beside its piece, and stays within the face beyond.
+    """
+    free = np.radians(_FREE_DEG)
+    inside = faces.angles_in_pieces(sides.pieces[:, :, None], sides.vertices)
+    gaps = np.asarray(2 * np.pi - inside, np.float64)
+    beyond = faces.angles_in_faces(sides.faces[:, ::-1, None], sides.vertices[:, ::-1, ::-1])
+    mitre = np.minimum(np.radians(angle_deg), gaps.reshape(-1, 2) / 2 - free)
+    out: FloatArray = np.minimum(mitre, beyond.reshape(-1, 2) - free)
+    return out
+
+
+def _faces_beyond(pattern: CreasePattern, faces: _FaceSet, sides: SeamSides) -> Shapes:
+    """The face of the other side, laid beside the edge of each side, shape (2 n,)."""
+    ends = pattern.vertices_coords[sides.vertices]
+    first = np.asarray(ends[:, 0] @ [1, 1j], np.complex128)
+    second = np.asarray(ends[:, 1, ::-1] @ [1, 1j], np.complex128)
+    beyond = np.stack(
+        [
+            _moved(faces.polygons[sides.faces[:, 1]], second, first),
+            _moved(faces.polygons[sides.faces[:, 0]], first[:, ::-1], second[:, ::-1]),
+        ],
+        axis=1,
+    )
+    return beyond.reshape(-1)
+
+
+def _moved(polygons: Shapes, start: NDArray[np.complex128], goal: NDArray[np.complex128]) -> Shapes:
+    """Polygons moved rigidly, each so that its complex edge `start` (n, 2) comes onto `goal`."""
+    turn = np.diff(goal)[:, 0] / np.diff(start)[:, 0]
+    turn /= np.abs(turn)
+    shift = goal.mean(axis=1) - turn * start.mean(axis=1)
+    points, index = shapely.get_coordinates(polygons, return_index=True)
+    z = (points @ [1, 1j]) * turn[index] + shift[index]
+    rings = shapely.linearrings(np.column_stack([z.real, z.imag]), indices=index)
+    out: Shapes = shapely.polygons(rings)
+    return out
+
+
+def _touch_faces(offers: _Offers, faces: _FaceSet) -> BoolArray:
+    """Which tabs have a face of their piece within them, or close by without a common corner."""
+    tab, face = shapely.STRtree(faces.polygons).query(offers.grown, predicate="intersects")
+    same = faces.piece[face] == offers.piece[tab]
     tab, face = tab[same], face[same]
-    key = face[:, None] * vertex_count + corners[tab]
-    place = np.minimum(np.searchsorted(corners_key, key), len(corners_key) - 1)
-    near = (corners_key[place] == key).any(axis=1)
-    hit = ~near | shapely.intersects(shrunk[tab], np.asarray(faces)[face])
-    good = np.ones(len(rows), bool)
-    good[tab[hit]] = False
-
-    one, two = shapely.STRtree(grown).query(tabs, predicate="intersects")
-    other = (piece[one] == piece[two]) & (rows[one] // 2 != rows[two] // 2) & good[one] & good[two]
-    one, two = one[other], two[other]
-    near = (corners[one][:, :, None] == corners[two][:, None]).any(axis=(1, 2))
-    hit = ~near | shapely.intersects(shrunk[one], tabs[two])
-    return _chosen(rows, height, tops, piece, good, one[hit], two[hit], count)
+    near = faces.are_corners(face[:, None], offers.corners[tab]).any(axis=1)
+    hit = ~near | shapely.intersects(offers.shrunk[tab], faces.polygons[face])
+    out: BoolArray = np.zeros(len(offers.row), bool)
+    out[tab[hit]] = True
+    return out
 
 
-def _chosen(
-    rows: IntArray,
-    height: FloatArray,
-    tops: FloatArray,
-    piece: IntArray,
-    good: BoolArray,
-    one: IntArray,
-    two: IntArray,
-    count: int,
-) -> tuple[IntArray, FloatArray]:
-    """Seam after seam the highest tab that those chosen before leave room for."""
+def _clashes(offers: _Offers, good: BoolArray) -> IntArray:
+    """Pairs of good tabs on a piece, of different seams, too near to each other, (k, 2)."""
+    a, b = shapely.STRtree(offers.grown).query(offers.polygons, predicate="intersects")
+    apart = offers.row[a] // 2 != offers.row[b] // 2
+    rivals = (offers.piece[a] == offers.piece[b]) & apart & good[a] & good[b]
+    a, b = a[rivals], b[rivals]
+    corners = offers.corners
+    near = (corners[a][:, :, None] == corners[b][:, None]).any(axis=(1, 2))
+    hit = ~near | shapely.intersects(offers.shrunk[a], offers.polygons[b])
+    return np.column_stack([a[hit], b[hit]])
+
+
+def _chosen(offers: _Offers, good: BoolArray, clashes: IntArray, count: int) -> Tabs:
+    """Seam after seam the highest good tab that those chosen before leave room for."""
     against: dict[int, set[int]] = {}
-    for i, j in zip(one.tolist(), two.tolist(), strict=True):
+    for i, j in clashes.tolist():
         against.setdefault(i, set()).add(j)
         against.setdefault(j, set()).add(i)
-    offers: list[list[int]] = [[] for _ in range(count)]
+    of_seam: list[list[int]] = [[] for _ in range(count)]
     for number in np.flatnonzero(good).tolist():
-        offers[rows[number] // 2].append(number)
-    side = np.full(count, -1)
-    corners = np.full((count, 2, 2), np.nan)
+        of_seam[offers.row[number] // 2].append(number)
+    tabs = Tabs.none(count)
     carried: dict[int, int] = {}
     taken: set[int] = set()
-    for seam, offered in enumerate(offers):
+    for seam, offered in enumerate(of_seam):
         open_to = [number for number in offered if not against.get(number, set()) & taken]
         if open_to:
             best = min(
                 open_to,
-                key=lambda n: (-round(float(height[n]), 6), carried.get(int(piece[n]), 0), n),
+                key=lambda n: (
+                    -round(float(offers.height_mm[n]), 6),
+                    carried.get(int(offers.piece[n]), 0),
+                    n,
+                ),
             )
             taken.add(best)
-            carried[int(piece[best])] = carried.get(int(piece[best]), 0) + 1
-            side[seam] = rows[best] % 2
-            corners[seam] = tops[best]
-    return side, corners
+            carried[int(offers.piece[best])] = carried.get(int(offers.piece[best]), 0) + 1
+            tabs.side[seam] = offers.row[best] % 2
+            tabs.tops[seam] = offers.tops[best]
+    return tabs

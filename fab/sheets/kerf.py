@@ -1,4 +1,4 @@
-"""Where must the beam run so that what it leaves has the outline that was asked for?"""
+"""Kerf compensation: the beam moved so that what it leaves has the outline that was asked for."""
 
 from __future__ import annotations
 
@@ -6,16 +6,19 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted
 from fab.geometry.rings import ring_areas
-from fab.sheets.crease_styles import require_kerf
-from solver.vectors import FloatArray
+from fab.sheets.crease_cuts import require_kerf
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["compensated"]
 
 # Mitres reach at most this many half kerfs from their corner; sharper corners are cut off straight.
 _MITRE_LIMIT = 5.0
+
+Shapes = NDArray[np.object_]
 
 
 def compensated(
@@ -28,112 +31,140 @@ def compensated(
     outlines : closed polylines, each of shape (m, 2), material on their left: counterclockwise
         rings are outer ones and grow, clockwise rings are holes and shrink.
 
-    No ring that comes out crosses or touches itself, each runs the same way around as before. A
-    ring that crosses itself is returned as it is, with a finding; a hole narrower than the kerf is
-    left out, with a finding; a notch narrower than the kerf is closed, a waist of a hole splits it,
-    with a finding; so are neighbours that come to cross each other. Corners and concave bends are
-    exact but for shapely's simplification, up to 1 % of the distance.
+    No ring that comes out crosses or touches itself, and each runs the same way around as before.
+    Findings name what a beam cannot cut as drawn: a ring that crosses itself is returned as it is;
+    a hole narrower than the kerf is left out; a notch narrower than the kerf is closed, and a hole
+    is split at such a waist; so are neighbours that come to cross each other. Corners and concave
+    bends are exact but for shapely's simplification, up to 1 % of the distance.
 
-    Raises `InvalidValue` for a kerf that is negative.
+    Raises `InvalidValue` for a kerf that is negative or wider than 10 mm.
+
+    >>> square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
+    >>> (ring,), findings = compensated([square], 0.2)
+    >>> np.ptp(ring, axis=0).round(6).tolist(), findings
+    ([9.2, 9.2], [])
     """
     require_kerf(kerf_mm)
     if kerf_mm == 0 or not outlines:
         return tuple(outlines), []
-    sizes = [len(outline) for outline in outlines]
-    corners = np.concatenate(outlines)
-    outer = ring_areas(corners, np.cumsum([0, *sizes])) > 0
-    shapes = shapely.polygons(
-        shapely.linearrings(corners, indices=np.repeat(np.arange(len(outlines)), sizes))
-    )
+    shapes = _polygons(outlines)
     plain = shapely.is_valid(shapes)
+    outer = ring_areas(np.concatenate(outlines), _offsets(outlines)) > 0
     distance = np.where(outer, kerf_mm / 2, -kerf_mm / 2)
     moved = shapely.buffer(shapes, distance, join_style="mitre", mitre_limit=_MITRE_LIMIT)
     moved[~plain] = shapes[~plain]
-    parts, of_part = shapely.get_parts(moved, return_index=True)
+    lines, number, turned = _rings_of(moved, outer)
+    corners, of_line = shapely.get_coordinates(lines, return_index=True)
+    rings = np.split(corners, np.flatnonzero(np.diff(of_line)) + 1) if len(lines) else []
+    kept = []
+    for ring, of, back in zip(rings, number.tolist(), turned.tolist(), strict=True):
+        whole = ring[:-1][::-1] if back else ring[:-1]
+        kept.append(whole if plain[of] else outlines[of])
+    count = np.bincount(number, minlength=len(outlines))
+    findings = [
+        *_crossing_findings(outlines, np.flatnonzero(~plain)),
+        *_vanished_findings(outlines, np.flatnonzero(plain & (count == 0)), kerf_mm),
+        *_closed_findings(outlines, np.flatnonzero(plain & (count > 1)), kerf_mm),
+        *_meeting_findings(lines, kerf_mm),
+    ]
+    return tuple(kept), findings
+
+
+def _offsets(outlines: Sequence[FloatArray]) -> IntArray:
+    """Where each outline begins among the corners of all, and their number, shape (n + 1,)."""
+    return np.cumsum([0, *(len(outline) for outline in outlines)])
+
+
+def _polygons(outlines: Sequence[FloatArray]) -> Shapes:
+    """The figures within outlines, shape (n,)."""
+    index = np.repeat(np.arange(len(outlines)), [len(outline) for outline in outlines])
+    rings = shapely.linearrings(np.concatenate(outlines), indices=index)
+    out: Shapes = shapely.polygons(rings)
+    return out
+
+
+def _rings_of(figures: Shapes, outer: BoolArray) -> tuple[Shapes, IntArray, BoolArray]:
+    """All rings of figures, the figure that each is of, and whether it is to be reversed, (m,).
+
+    outer : which figures are material, shape (n,). Material is to be on the left of all rings.
+    """
+    parts, of_part = shapely.get_parts(figures, return_index=True)
     full = ~shapely.is_empty(parts)
     lines, of_line = shapely.get_rings(parts[full], return_index=True)
     number = of_part[full][of_line]
     exterior = np.diff(of_line, prepend=-1) > 0
     turned = shapely.is_ccw(lines) != (outer[number] == exterior)
-    points, of_point = shapely.get_coordinates(lines, return_index=True)
-    closed_rings = np.split(points, np.flatnonzero(np.diff(of_point)) + 1) if len(lines) else []
-    rings = []
-    for ring, of, back in zip(closed_rings, number.tolist(), turned.tolist(), strict=True):
-        whole = ring[:-1][::-1] if back else ring[:-1]
-        rings.append(whole if plain[of] else outlines[of])
-    count = np.bincount(number, minlength=len(outlines))
-    crossing = np.flatnonzero(~plain).tolist()
-    vanished = np.flatnonzero(plain & (count == 0)).tolist()
-    closed = np.flatnonzero(plain & (count > 1)).tolist()
-    findings = []
-    if crossing:
-        findings.append(
-            _finding(
-                "outline-crosses-itself",
-                Severity.ERROR,
-                crossing,
-                outlines,
-                "cross or touch themselves and are not moved by the kerf. Split the sheet into "
-                "pieces.",
-            )
-        )
-    if vanished:
-        findings.append(
-            _finding(
-                "hole-narrower-than-kerf",
-                Severity.WARNING,
-                vanished,
-                outlines,
-                f"are holes nowhere wider than the kerf ({kerf_mm:g} mm) and are left out. Enlarge "
-                "them.",
-            )
-        )
-    if closed:
-        findings.append(
-            _finding(
-                "gap-narrower-than-kerf",
-                Severity.WARNING,
-                closed,
-                outlines,
-                f"have a notch or a waist narrower than the kerf ({kerf_mm:g} mm), which is not "
-                "cut. Enlarge the sheet, or take a finer beam.",
-            )
-        )
-    return tuple(rings), findings + _meeting(lines, kerf_mm)
+    return lines, number, turned
 
 
-def _finding(
-    code: str,
-    severity: Severity,
-    numbers: list[int],
-    outlines: Sequence[FloatArray],
-    text: str,
-) -> Finding:
-    x, y = outlines[numbers[0]].mean(axis=0).tolist()
-    return Finding(
-        code,
-        severity,
-        f"{len(numbers)} of {len(outlines)} outlines (the first around x = {x:.3f}, y = {y:.3f} "
-        f"mm) {text}",
+def _crossing_findings(outlines: Sequence[FloatArray], numbers: IntArray) -> list[Finding]:
+    """Outlines that are not moved."""
+    if not len(numbers):
+        return []
+    cross = (
+        "crosses or touches itself and is"
+        if len(numbers) == 1
+        else "cross or touch themselves and are"
     )
+    text = (
+        f"{_named(outlines, numbers)} {cross} not moved by the kerf. Split the sheet into pieces."
+    )
+    return [Finding("outline-crosses-itself", Severity.ERROR, text)]
 
 
-def _meeting(lines: Sequence[shapely.LinearRing], kerf_mm: float) -> list[Finding]:
-    """A finding where moved rings cross each other."""
+def _vanished_findings(
+    outlines: Sequence[FloatArray], numbers: IntArray, kerf_mm: float
+) -> list[Finding]:
+    """Holes that are left out."""
+    if not len(numbers):
+        return []
+    holes, them = ("is a hole", "it") if len(numbers) == 1 else ("are holes", "them")
+    text = (
+        f"{_named(outlines, numbers)} {holes} nowhere wider than the kerf ({kerf_mm:g} mm) and "
+        f"{holes.split()[0]} left out. Enlarge {them}."
+    )
+    return [Finding("hole-narrower-than-kerf", Severity.WARNING, text)]
+
+
+def _closed_findings(
+    outlines: Sequence[FloatArray], numbers: IntArray, kerf_mm: float
+) -> list[Finding]:
+    """Outlines that lose a notch or a waist."""
+    if not len(numbers):
+        return []
+    have = "has" if len(numbers) == 1 else "have"
+    text = (
+        f"{_named(outlines, numbers)} {have} a notch or a waist narrower than the kerf "
+        f"({kerf_mm:g} mm), which is not cut. Enlarge the sheet, or take a finer beam."
+    )
+    return [Finding("gap-narrower-than-kerf", Severity.WARNING, text)]
+
+
+def _named(outlines: Sequence[FloatArray], numbers: IntArray) -> str:
+    """How many outlines are concerned, and where the first of them is."""
+    x, y = outlines[numbers[0]].mean(axis=0).tolist()
+    count, first = counted(len(outlines), "outline"), "" if len(numbers) == 1 else "the first "
+    return f"{len(numbers)} of {count} ({first}around x = {x:.3f}, y = {y:.3f} mm)"
+
+
+def _meeting_findings(lines: Shapes, kerf_mm: float) -> list[Finding]:
+    """Moved rings that cross each other."""
     if not len(lines):
         return []
-    one, two = shapely.STRtree(lines).query(lines, predicate="intersects")
-    met = np.flatnonzero(one < two)
+    first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
+    met = np.flatnonzero(first < second)
     if not len(met):
         return []
-    place = shapely.intersection(lines[one[met[0]]], lines[two[met[0]]])
+    place = shapely.intersection(lines[first[met[0]]], lines[second[met[0]]])
     x, y = shapely.get_coordinates(place)[0].tolist()
+    pairs = "1 pair of outlines is" if len(met) == 1 else f"{len(met)} pairs of outlines are"
+    where = "" if len(met) == 1 else "the first "
     return [
         Finding(
             "outlines-nearer-than-kerf",
             Severity.WARNING,
-            f"{len(met)} pairs of outlines are nearer to each other than the kerf ({kerf_mm:g} mm),"
-            f" the first at x = {x:.3f}, y = {y:.3f} mm: there the beam takes from one what it "
-            "cuts around the other. Set them apart.",
+            f"{pairs} nearer to each other than the kerf ({kerf_mm:g} mm), {where}at "
+            f"x = {x:.3f}, y = {y:.3f} mm: the beam that cuts one takes material from the other. "
+            "Set them apart.",
         )
     ]

@@ -1,21 +1,22 @@
-"""What is engraved on a piece so that a person finds where it belongs?"""
+"""Labels: text that is engraved on pieces, as high as its room allows, as outlines of letters."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, lru_cache
+from typing import Any
 
 import numpy as np
 import shapely
-from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import TextPath
+from numpy.typing import NDArray
 
 from fab.drawings.cut_paths import Layer, Operation
 from solver.vectors import FloatArray
 
 __all__ = [
     "Label",
+    "LabelPlaces",
     "engraved",
     "fitted",
     "highest",
@@ -26,18 +27,18 @@ __all__ = [
 ]
 
 # The sans serif font that comes with matplotlib, so that every machine writes alike.
-_FONT = FontProperties(family="DejaVu Sans")
+_FONT = "DejaVu Sans"
 # Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
 _EM = 100.0
-# The larger of two labels that lie over each other becomes lower by this.
+# The larger of two labels that overlap is made lower by this factor.
 _SHRINK = 0.8
-# Over the size of a room: nearer to the line that a text stands on is on it.
+# Over the size of a room: what is nearer to the line that a text is above is on it.
 _ON_SIDE_REL = 1e-9
-# Height of the box that a text keeps free, in heights of its capitals, and what J and Q, which hang
-# lower, keep free besides their own.
+# Height of the box that a text keeps free, in heights of its capitals, and what J and Q, which
+# reach lower, keep free below them.
 _BOX_HEIGHT = 1.2
 _BELOW = 0.1
-# Digits that are digits when turned by half a turn.
+# Digits that are digits when turned upside down.
 _TURNED = str.maketrans("01689", "01986")
 
 
@@ -59,23 +60,35 @@ class Label:
 
 
 def number_text(number: int) -> str:
-    """A number to be engraved, with a full stop where another one is read upside down: "6."."""
+    """A number to be engraved, with a full stop where upside down it would read as another one.
+
+    >>> [number_text(number) for number in (6, 8, 25, 86)]
+    ['6.', '8', '25', '86.']
+    """
     text = str(number)
     turned = text[::-1].translate(_TURNED)
     other = set(text) <= set("01689") and turned != text and turned[0] != "0"
     return f"{text}." if other else text
 
 
+def _text_path(text: str) -> Any:
+    """A text as a path of matplotlib, in points, its first letter at the origin."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    return TextPath((0, 0), text, size=_EM, prop=FontProperties(family=_FONT))
+
+
 @cache
 def _capital() -> float:
     """Height of digits, points."""
-    return float(TextPath((0, 0), "0", size=_EM, prop=_FONT).get_extents().height)
+    return float(_text_path("0").get_extents().height)
 
 
 @lru_cache(maxsize=4096)
 def _glyphs(text: str) -> tuple[FloatArray, ...]:
     """Closed outlines of a text, capitals one high, its middle at the origin."""
-    rings = TextPath((0, 0), text, size=_EM, prop=_FONT).to_polygons(closed_only=True)
+    rings = _text_path(text).to_polygons(closed_only=True)
     if not rings:
         return ()
     every = np.concatenate(rings)
@@ -94,7 +107,8 @@ def text_outlines(
 ) -> tuple[FloatArray, ...]:
     """Letters as closed outlines, each of shape (m, 2), the first vertex not repeated.
 
-    height_mm : of capitals and digits; at : middle of the text; angle_deg : in which it is read.
+    height_mm : of capitals and digits; at : middle of the text, mm; angle_deg : direction in which
+    it is read.
     """
     c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
     turn = height_mm * np.array([[c, -s], [s, c]])
@@ -102,7 +116,7 @@ def text_outlines(
 
 
 def engraved(labels: Sequence[Label]) -> Layer:
-    """The lines of labels."""
+    """The layer with the lines of labels."""
     outlines = (
         outline
         for label in labels
@@ -114,10 +128,11 @@ def engraved(labels: Sequence[Label]) -> Layer:
 def highest(
     text: str, anchor: FloatArray, slant: float, room: shapely.Polygon, hang: float = 0.0
 ) -> float:
-    """Height up to which a text grows from its anchor before it leaves a room.
+    """Height up to which a text may grow from its anchor before it leaves a room, mm.
 
-    slant : direction of the text, radians. hang : distance of its middle from its anchor, to the
-    left, in heights. A text of no height at the anchor, or beside it, must lie in the room.
+    anchor : shape (2,). slant : direction of the text, radians. hang : distance of its middle from
+    its anchor, to the left, in heights. A text of no height must be in the room, at the anchor or
+    beside it.
     """
     c, s = np.cos(slant), np.sin(slant)
     box_width, box_height = text_box(text)
@@ -136,7 +151,7 @@ def highest(
     reached = np.maximum(x, y / top)
     if low < 0:
         return float(np.maximum(reached, y / low).min())
-    # the text stands off its anchor, and passes what lies below it
+    # the text is off its anchor, and passes what is below it
     met = (y > _ON_SIDE_REL * np.abs(ring).max()) & (low * x <= y * (1 + _ON_SIDE_REL))
     return float(reached[met].min(initial=np.inf))
 
@@ -148,54 +163,65 @@ def text_box(text: str) -> tuple[float, float]:
     return text_width(text) + 0.4, max(_BOX_HEIGHT, height + _BELOW)
 
 
-def fitted(
-    texts: Sequence[str],
-    anchors: FloatArray,
-    angles: FloatArray,
-    rooms: Sequence[shapely.Polygon],
-    height_mm: FloatArray,
-    hang: FloatArray,
-    least_mm: float,
-) -> tuple[Label | None, ...]:
-    """Labels as high as asked for or as their rooms let them be, or lower, clear of each other.
+@dataclass(frozen=True)
+class LabelPlaces:
+    """Where texts are to be engraved.
 
-    Where one would be lower than `least_mm` there is none.
-
-    Parameters
+    Attributes
     ----------
-    anchors, angles : point (n, 2) and direction (n,), radians, that a text stands on.
-    rooms : the polygon that each must stay in.
+    texts : n of them.
+    anchors, angles : point (n, 2) and direction (n,), radians, of the line each text belongs to.
+    rooms : the polygon in which each must stay.
     height_mm : the greatest heights, shape (n,).
-    least_mm : the least height, greater than 0.
     hang : distance of a text's middle from its anchor, to the left, in heights, shape (n,).
     """
-    grown = [highest(*one) for one in zip(texts, anchors, angles, rooms, hang, strict=True)]
-    height = np.minimum(height_mm, grown)
+
+    texts: Sequence[str]
+    anchors: FloatArray
+    angles: FloatArray
+    rooms: Sequence[shapely.Polygon]
+    height_mm: FloatArray
+    hang: FloatArray
+
+    def boxes(self, height_mm: FloatArray) -> tuple[FloatArray, NDArray[np.object_]]:
+        """Middles of the texts and what they keep free, for these heights: (n, 2) and (n,)."""
+        half_x, half_y = np.array([text_box(text) for text in self.texts]).T / 2
+        u = np.column_stack([np.cos(self.angles), np.sin(self.angles)])
+        v = np.column_stack([-u[:, 1], u[:, 0]])
+        middle = self.anchors + (self.hang * height_mm)[:, None] * v
+        x, y = (half_x * height_mm)[:, None] * u, (half_y * height_mm)[:, None] * v
+        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
+        return middle, shapely.polygons(ring)
+
+
+def fitted(places: LabelPlaces, least_mm: float) -> tuple[Label | None, ...]:
+    """Labels as high as asked for or as their rooms allow, or lower, clear of each other.
+
+    There is none where it would be lower than `least_mm`, which is greater than 0.
+    """
+    wanted = zip(
+        places.texts, places.anchors, places.angles, places.rooms, places.hang, strict=True
+    )
+    height = np.minimum(places.height_mm, [highest(*text) for text in wanted])
     if not len(height):
         return ()
-    half_x, half_y = np.array([text_box(text) for text in texts]).T / 2
-    u = np.column_stack([np.cos(angles), np.sin(angles)])
-    v = np.column_stack([-u[:, 1], u[:, 0]])
     written = height >= least_mm
     while True:
-        middle = anchors + (hang * height)[:, None] * v
-        x, y = (half_x * height)[:, None] * u, (half_y * height)[:, None] * v
-        ring = np.stack([middle - x - y, middle + x - y, middle + x + y, middle - x + y], axis=1)
-        boxes = shapely.polygons(ring)
-        one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+        middle, boxes = places.boxes(height)
+        a, b = shapely.STRtree(boxes).query(boxes, predicate="intersects")
         # the larger of two gives way first
-        clash = (one != two) & written[one] & written[two] & (height[one] >= height[two])
+        clash = (a != b) & written[a] & written[b] & (height[a] >= height[b])
         if not clash.any():
             break
-        height[np.unique(one[clash])] *= _SHRINK
+        height[np.unique(a[clash])] *= _SHRINK
         written &= height >= least_mm
     return tuple(
-        Label(text, (x, y), h, angle) if there else None
-        for text, (x, y), h, angle, there in zip(
-            texts,
+        Label(text, (x, y), h, angle) if kept else None
+        for text, (x, y), h, angle, kept in zip(
+            places.texts,
             middle.tolist(),
             height.tolist(),
-            np.degrees(angles).tolist(),
+            np.degrees(places.angles).tolist(),
             written.tolist(),
             strict=True,
         )

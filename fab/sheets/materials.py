@@ -1,4 +1,4 @@
-"""What is a sheet made of, and which machine cuts it? Both are data that a person can replace."""
+"""Sheet materials and the machines that cut them, both data that users can replace."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fab.drawings.dxf import DxfVersion
 from fab.drawings.layer_colours import Colours
 from fab.settings import Settings
 from fab.sheets.crease_styles import ScoreStyle
-from fab.sheets.perforation import PerforationSettings
+from fab.sheets.perforation_settings import PerforationSettings
 
 __all__ = [
     "Machine",
@@ -24,7 +24,7 @@ __all__ = [
 ]
 
 
-# What a material must say of its creases; the rest takes the defaults of a job.
+# What a material must state about its creases; the rest takes the defaults of a job.
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
 
 
@@ -48,7 +48,7 @@ class Material(Described):
 
     @field_validator("perforation")
     @classmethod
-    def _says_how(cls, perforation: PerforationSettings) -> PerforationSettings:
+    def _states_creases(cls, perforation: PerforationSettings) -> PerforationSettings:
         missing = [key for key in _OF_MATERIALS if key not in perforation.model_fields_set]
         if missing:
             raise ValueError(f"{' and '.join(missing)} must be given in a material. {CURE}")
@@ -88,8 +88,8 @@ def perforation_for(
 ) -> PerforationSettings:
     """How creases of the material are drawn for the machine.
 
-    Where they are scored, and for software that perforates by itself, each crease is one whole line
-    on the layer of its letter.
+    Where they are scored, and for software that perforates by itself, each crease is a whole line
+    on the layer of its assignment.
     """
     if machine.profile == "pre_dashed" and not scored:
         return material.perforation
@@ -100,7 +100,10 @@ def perforation_for(
 def load_material(name_or_path: str | Path) -> Material:
     """A shipped sheet material by name, or one of the user's own by the path of its TOML file.
 
-    Raises `InvalidJob` with every key at fault, and for what is printed.
+    Raises `InvalidJob` with every key at fault, and for materials of printers.
+
+    >>> load_material("card_300gsm").thickness_mm
+    0.36
     """
     return load_described(Material, "materials", name_or_path)
 
@@ -109,5 +112,8 @@ def load_machine(name_or_path: str | Path) -> Machine:
     """A shipped cutter by name, or one of the user's own by the path of its TOML file.
 
     Raises `InvalidJob` with every key at fault, and for printers.
+
+    >>> load_machine("co2_60w_600x400").bed_mm
+    (600.0, 400.0)
     """
     return load_described(Machine, "machines", name_or_path)

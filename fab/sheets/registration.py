@@ -1,4 +1,4 @@
-"""How is a sheet scored on both sides, so that both drawings meet when it is turned over?"""
+"""Registration of both sides of a sheet, so that its drawings meet when it is turned over."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from solver.vectors import FloatArray
 __all__ = ["Axis", "Registration", "how_to_turn", "two_sided"]
 
 _HOLE_CORNERS = 48
-# Marks of the turning axis lie across this share of the border, in its middle.
+# Marks of the turning axis take this share of the border's width, in its middle.
 _MARK_SHARE = 0.5
-# Arms of the crosses, in diameters of the holes in whose middle they lie.
+# Arms of the crosses, in diameters of the holes in whose middle they are.
 _ARM = 0.25
-# Sheets less wide or high, in borders, have no room for holes that tell how the sheet lies.
+# Sheets less wide or high, in borders, have no room for holes that show which side is up.
 _LEAST_BORDERS = 4
-# Paths may stand out into the border by the rounding of coordinates, in mm.
+# Paths may reach into the border by the rounding of coordinates, in mm.
 _ROUNDING_MM = 1e-5
 # What the back works on: it comes last, so it frees the pieces.
 _BACK = (Operation.VALLEY, Operation.CUT)
@@ -73,22 +73,23 @@ class Registration:
 def two_sided(
     paths: CutPaths, registration: Registration, margin_mm: float = 0.0, kerf_mm: float = 0.0
 ) -> tuple[CutPaths, CutPaths]:
-    """Front and back drawing of a sheet, each as it lies on the machine.
+    """Front and back drawing of a sheet, each as the sheet is placed on the machine.
 
-    paths : of a sheet as large as the stock, with nothing in its border, that is
-        `registration.border_mm` within `margin_mm` from its edges.
-
+    Parameters
+    ----------
+    paths : of a sheet as large as the stock, with nothing in its border: the strip of width
+        `registration.border_mm` at a distance of `margin_mm` from the edges.
     kerf_mm : width of the beam; the registration holes are drawn smaller by it.
 
-    Each crease is scored on the side that it opens: mountains on the front, valleys on the back.
-    The sheet is turned once. The front has engravings, mountains, relief holes and four
+    Each crease is scored on the side on which it opens: mountains on the front, valleys on the
+    back. The sheet is turned once. The front has engravings, mountains, relief holes and four
     registration holes; the back, mirrored, has the valleys and after them everything that is cut
-    out. The last work of all frees the pieces: until then the sheet is whole, and lies on its
-    holes. No line is in both drawings.
+    out. The last work of all frees the pieces: until then the sheet is whole, and its holes hold
+    it. No line is in both drawings.
 
-    The holes are symmetrical about the turning axis, and about no other one: a sheet turned the
-    wrong way does not fit its pins. The back has a small cross, engraved, in the middle of each, to
-    lay the sheet by. The axis is engraved in the border of the front.
+    The holes are symmetrical about the turning axis, and about no other axis: a sheet that is
+    turned over wrongly does not fit its pins. The back has a small cross, engraved, in the middle
+    of each, to place the sheet by. The axis is engraved in the border of the front.
 
     Raises `InvalidValue` for a negative margin, a kerf as wide as the holes, and for paths that
     reach into the border.
@@ -97,7 +98,7 @@ def two_sided(
     if margin_mm < 0:
         raise InvalidValue("margin_mm", margin_mm, "be 0 or greater", "Give the free margin.")
     if not 0 <= kerf_mm < registration.hole_mm:
-        bound = f"lie from 0 to less than hole_mm = {registration.hole_mm:g}"
+        bound = f"be from 0 to less than hole_mm = {registration.hole_mm:g}"
         raise InvalidValue("kerf_mm", kerf_mm, bound, "Take larger holes, or a finer beam.")
     _require_free(paths, margin_mm + registration.border_mm)
     size, axis = np.array(paths.size_mm), registration.axis_of(paths.size_mm)
@@ -117,7 +118,7 @@ def two_sided(
 
 
 def how_to_turn(name: str, registration: Registration, size_mm: tuple[float, float]) -> str:
-    """What a person does with the drawings `name`_front and `name`_back of a sheet of this size."""
+    """Instructions for the user of the drawings `name`_front and `name`_back of a sheet."""
     edges = {Axis.X: "upper edge becomes the lower", Axis.Y: "left edge becomes the right"}
     return (
         f"Take a sheet of {size_mm[0]:g} x {size_mm[1]:g} mm, as large as the drawing. Cut "
@@ -130,7 +131,7 @@ def how_to_turn(name: str, registration: Registration, size_mm: tuple[float, flo
 
 
 def _require_free(paths: CutPaths, border_mm: float) -> None:
-    """Raise `InvalidValue` where little is left within the sheet's border, or lines lie in it."""
+    """Raise `InvalidValue` where little is left within the sheet's border, or lines are in it."""
     least = _LEAST_BORDERS * border_mm
     if min(paths.size_mm) < least:
         raise InvalidValue(
@@ -164,7 +165,7 @@ def _middles(size: FloatArray, axis: Axis, inset: float) -> FloatArray:
 
 
 def _holes(middles: FloatArray, hole_mm: float) -> tuple[FloatArray, ...]:
-    """Each is symmetrical about both directions, so that a hole and its mirror coincide."""
+    """Polygons that are symmetrical about x and y, so that a hole and its mirror image coincide."""
     angle = (np.arange(_HOLE_CORNERS) + 0.5) * (2 * np.pi / _HOLE_CORNERS)
     ring = hole_mm / 2 * np.column_stack([np.cos(angle), np.sin(angle)])[::-1]
     return tuple(ring + middle for middle in middles)

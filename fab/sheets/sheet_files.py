@@ -1,4 +1,4 @@
-"""How does a crease pattern become sheets that a machine cuts?
+"""Files of the sheets that a machine cuts a crease pattern from.
 
 pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on beds
 -> front and back, if asked for -> order of the work, estimate
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -20,26 +20,23 @@ from fab.drawings.drawing_files import SheetFormat, drawing_files
 from fab.errors import Finding
 from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
-from fab.pattern.crease_pattern import CreasePattern, scaled
-from fab.progress import Progress
-from fab.sheets.cutting_order import estimate, tour
+from fab.pattern.crease_pattern import CreasePattern
+from fab.progress import Progress, silent
+from fab.sheets.crease_findings import crease_findings
+from fab.sheets.cutting_order import tour
 from fab.sheets.feature_size import narrow_faces
 from fab.sheets.labels import engraved
-from fab.sheets.materials import Machine, Material, Speeds, perforation_for
-from fab.sheets.perforation import crease_findings, cut_piece
-from fab.sheets.pieces import Piece, Pieces, SheetSplit, split
-from fab.sheets.registration import Registration, how_to_turn, two_sided
-from solver.errors import InvalidState, InvalidValue, require_count
+from fab.sheets.perforation import cut_piece
+from fab.sheets.piece_patterns import Piece
+from fab.sheets.pieces import Pieces, split
+from fab.sheets.registration import how_to_turn, two_sided
+from fab.sheets.sheet_report import estimate_report, sheet_report, sides_report
+from fab.sheets.sheet_request import SheetRequest
+from fab.sheets.work_estimate import estimate
+from solver.errors import InvalidState, InvalidValue
 
-__all__ = ["fabricate", "scaled", "sheet_names", "sheets"]
+__all__ = ["fabricate", "sheet_names", "sheets"]
 
-# Between two pieces on a sheet, in mm, and at least in kerfs.
-_GAP_MM = 2.0
-_GAP_KERFS = 4.0
-# By so many kerfs the mitres of sharp corners may stand out from a piece.
-_CORNER_KERFS = 5.0
-# Lower tabs hold no glue.
-_LEAST_TAB_MM = 1.0
 # More pieces than this take hours to place, to put in order and to write.
 _MOST_PLACED = 10_000
 
@@ -47,210 +44,61 @@ _MOST_PLACED = 10_000
 def fabricate(
     pattern: CreasePattern,
     name: str,
-    material: Material,
-    machine: Machine,
+    request: SheetRequest,
     *,
-    copies: int = 1,
-    registration: Registration | None = None,
-    formats: Sequence[SheetFormat] = tuple(SheetFormat),
     findings: Sequence[Finding] = (),
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Made:
-    """Files of all sheets on which `copies` of a pattern lie, and a report.
+    """Files of all sheets that the copies of a pattern take, and a report.
 
-    pattern : in millimetres; findings : of its reader, told again in the report.
-    registration : where given, creases are scored on the side that they open, and each sheet has a
-        front and a back (`fab.two_sided`); the stock is as large as the bed.
+    Parameters
+    ----------
+    pattern : in millimetres.
+    name : what the files are named after.
+    findings : of the pattern's reader, which go into the report as well.
     progress : called with (stage, steps done, steps in the stage).
 
-    The report is the file `name`_report.json, so that it may lie beside the report of the job that
+    The report is the file `name`_report.json, so that it may be beside the report of the job that
     made the pattern. It lists sheets (file names, pierces, lengths in mm, minutes, share of the bed
     in use; of two-sided ones each side, and how to turn them), pieces, and the seams in the order
     in which they are glued. A seam has its number, length and fold angle, both pieces, which of
-    them (0 or 1) carries the tab, and of each the sheet and the middle of the edge there: of the
+    them (0 or 1) carries the tab, and of each the sheet and the middle of the edge on it: of the
     first copy, on the front.
 
     Raises `InvalidValue` where a face is larger than the bed, or a style does not suit the kerf.
     """
-    require_count("copies", copies, 1, "Ask for one copy or more.")
-    tell = progress if progress is not None else lambda *_: None
-    told = [*findings, *narrow_faces(pattern, machine.kerf_mm)]
-    style = perforation_for(machine, material, scored=registration is not None)
-    margin_mm = machine.margin_mm + (registration.border_mm if registration is not None else 0.0)
-    tell("split", 0, 1)
-    room = SheetSplit(
-        margin_mm=margin_mm,
-        mitre_mm=_CORNER_KERFS * machine.kerf_mm,
-        tab_mm=max(material.tab_mm, _LEAST_TAB_MM),
+    progress("split", 0, 1)
+    pieces, split_findings = split(
+        pattern, request.split, request.machine.bed_mm, partial(progress, "split")
     )
-    pieces, found = split(pattern, room, machine.bed_mm, partial(tell, "split"))
-    told += found
-    if copies * len(pieces.pieces) > _MOST_PLACED:
-        raise InvalidValue(
-            "copies",
-            f"{copies}, {copies * len(pieces.pieces)} pieces in all",
-            f"make at most {_MOST_PLACED} pieces",
-            "Make several runs.",
-        )
-    layers, creases = [], []
-    for number, piece in enumerate(pieces.pieces):
-        tell("perforate", number, len(pieces.pieces))
-        drawn, became, found = cut_piece(piece.pattern, style, machine.kerf_mm)
-        creases.append(replace(became, numbers=piece.edges[became.numbers]))
-        told += _of_piece(piece, found, alone=len(pieces.pieces) == 1)
-        layers.append((*drawn, engraved(piece.labels)) if pieces.labelled else drawn)
-    told += crease_findings(creases, style.margin_mm, machine.kerf_mm)
-    gap = max(_GAP_MM, _GAP_KERFS * machine.kerf_mm)
-    outlines = [_outline(drawn) for drawn in layers]
-    tell("nest", 0, copies * len(outlines))
-    placements = nest(outlines, machine.bed_mm, gap, copies, margin_mm, partial(tell, "nest"))
-    files: dict[str, bytes] = {}
-    listed: list[dict[str, Any]] = []
-    drawn_sheets = sheets(layers, placements, machine.bed_mm)
-    for number, sheet in enumerate(drawn_sheets):
-        tell("order", number, len(drawn_sheets))
-        own, work = _sheet(sheet, f"{name}_{number + 1}", material, machine, registration, formats)
-        files |= own
-        listed.append(
-            {
-                "files": list(own),
-                "pieces": [
-                    pieces.pieces[item.piece].name
-                    for item in placements.items
-                    if item.sheet == number
-                ],
-                "used": round(float(placements.used[number]), 4),
-                **work,
-            }
-        )
-    report = _report(name, material, machine, copies, pieces, placements, listed)
-    tell("write", 1, 1)
-    return with_report(files, f"{name}_report.json", report, told)
+    _require_placeable(request.copies * len(pieces.pieces), request.copies)
+    layers, cut_findings = _cut_pieces(pieces, request, progress)
+    placements = _placed(layers, request, progress)
+    drawn = []
+    cut = sheets(layers, placements, request.machine.bed_mm)
+    for number, sheet in enumerate(cut):
+        progress("order", number, len(cut))
+        drawn.append(_drawn_sheet(sheet, f"{name}_{number + 1}", request))
+    files = {file: data for sheet in drawn for file, data in sheet.files.items()}
+    listed = [{"files": list(sheet.files), **sheet.work} for sheet in drawn]
+    report = sheet_report(name, request, pieces, placements, listed)
+    progress("write", 1, 1)
+    every = [
+        *findings,
+        *narrow_faces(pattern, request.machine.kerf_mm),
+        *split_findings,
+        *cut_findings,
+    ]
+    return with_report(files, f"{name}_report.json", report, every)
 
 
 def sheet_names(name: str) -> re.Pattern[str]:
-    """What the sheets of a pattern are called."""
+    """Names of the files of a pattern's sheets.
+
+    >>> [bool(sheet_names("a").fullmatch(file)) for file in ("a_12_back.dxf", "a.dxf")]
+    [True, False]
+    """
     return re.compile(rf"{re.escape(name)}_\d+(_front|_back)?\.({'|'.join(SheetFormat)})")
-
-
-def _sheet(
-    sheet: CutPaths,
-    name: str,
-    material: Material,
-    machine: Machine,
-    registration: Registration | None,
-    formats: Sequence[SheetFormat],
-) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """Files of one sheet, and what the report says of the work on it."""
-    if registration is None:
-        return _side(sheet, name, material, machine, formats)
-    files: dict[str, bytes] = {}
-    sides = []
-    drawn = two_sided(sheet, registration, machine.margin_mm, machine.kerf_mm)
-    for side, paths in zip(("front", "back"), drawn, strict=True):
-        own, work = _side(paths, f"{name}_{side}", material, machine, formats)
-        files |= own
-        sides.append({"side": side, "files": list(own), **work})
-    work = {key: _round(sum(side[key] for side in sides)) for key in work}
-    turn = how_to_turn(name, registration, machine.bed_mm)
-    return files, {**work, "sides": sides, "turn": turn}
-
-
-def _side(
-    paths: CutPaths,
-    name: str,
-    material: Material,
-    machine: Machine,
-    formats: Sequence[SheetFormat],
-) -> tuple[dict[str, bytes], dict[str, Any]]:
-    """Files of one drawing, and figures of the work, in the order of the tour."""
-    ordered = tour(paths)
-    work = asdict(estimate(ordered, _speeds(machine, material)))
-    files = drawing_files(ordered, name, formats, machine.colours, machine.dxf_version)
-    return files, {key: _round(value) for key, value in work.items()}
-
-
-def _of_piece(piece: Piece, findings: Sequence[Finding], *, alone: bool) -> list[Finding]:
-    """Findings of a piece, named unless it is alone, with edges numbered as in the pattern."""
-    return [
-        replace(
-            finding,
-            text=finding.text if alone else f"piece {piece.name}: {finding.text}",
-            creases=tuple(int(piece.edges[e]) for e in finding.creases if piece.edges[e] >= 0),
-        )
-        for finding in findings
-    ]
-
-
-def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
-    """The outer outline of a piece as it is cut; what lies in its holes stays free."""
-    rings = [
-        ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
-    ]
-    if not rings:
-        raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
-    return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
-
-
-def _speeds(machine: Machine, material: Material) -> Speeds:
-    ratio = material.cut_speed_ratio
-    speeds = machine.speeds
-    return speeds.model_copy(
-        update={
-            "cut_mm_s": speeds.cut_mm_s * ratio,
-            "perforate_mm_s": speeds.perforate_mm_s * ratio,
-        }
-    )
-
-
-def _report(
-    name: str,
-    material: Material,
-    machine: Machine,
-    copies: int,
-    pieces: Pieces,
-    placements: Placements,
-    listed: list[dict[str, Any]],
-) -> dict[str, Any]:
-    return {
-        "name": name,
-        "material": material.model_dump(mode="json"),
-        "machine": machine.model_dump(mode="json"),
-        "copies": copies,
-        "sheets": listed,
-        "pieces": [
-            {"name": piece.name, "faces": int((piece.faces >= 0).sum())} for piece in pieces.pieces
-        ],
-        "glue_up": _glue_up(pieces, placements),
-    }
-
-
-def _glue_up(pieces: Pieces, placements: Placements) -> list[dict[str, Any]]:
-    """One row for each seam, in the order of assembling."""
-    placed = {item.piece: item for item in placements.items if item.copy == 0}
-    rows = []
-    for seam in pieces.seams:
-        at = []
-        for number, edge in zip(seam.pieces, seam.piece_edges, strict=True):
-            own, item = pieces.pieces[number].pattern, placed[number]
-            middle = own.vertices_coords[own.edges_vertices[edge]].mean(axis=0)
-            at.append([_round(x) for x in item.turn @ middle + item.shift])
-        rows.append(
-            {
-                "label": seam.label,
-                "length_mm": _round(seam.length_mm),
-                "fold_angle_deg": _round(seam.fold_angle_deg),
-                "pieces": [pieces.pieces[number].name for number in seam.pieces],
-                "tab": seam.tab,
-                "sheets": [placed[number].sheet + 1 for number in seam.pieces],
-                "at_mm": at,
-            }
-        )
-    return rows
-
-
-def _round(value: float) -> float:
-    return value if isinstance(value, int) else round(float(value), 4)
 
 
 def sheets(
@@ -259,7 +107,7 @@ def sheets(
     """The cut paths of every sheet: the layers of its pieces, moved and joined by operation.
 
     `size_mm` is the bed, not the used area: the drawing's origin is the machine's, so that the
-    margin is where it was asked for, and every sheet of a job lies on the bed alike.
+    margin is where it was asked for, and every sheet of a job has the same place on the bed.
     """
     return [
         CutPaths(
@@ -275,3 +123,99 @@ def sheets(
         )
         for sheet in range(len(placements.used))
     ]
+
+
+def _require_placeable(count: int, copies: int) -> None:
+    """Raise `InvalidValue` for more pieces than can be placed."""
+    if count > _MOST_PLACED:
+        raise InvalidValue(
+            "copies",
+            f"{copies}, {count} pieces in all",
+            f"make at most {_MOST_PLACED} pieces",
+            "Make several runs.",
+        )
+
+
+def _cut_pieces(
+    pieces: Pieces, request: SheetRequest, progress: Progress
+) -> tuple[list[tuple[Layer, ...]], list[Finding]]:
+    """The layers of each piece, and what is found while they are made."""
+    style, kerf_mm = request.perforation, request.machine.kerf_mm
+    alone = len(pieces.pieces) == 1
+    layers, creases, findings = [], [], []
+    for number, piece in enumerate(pieces.pieces):
+        progress("perforate", number, len(pieces.pieces))
+        cut = cut_piece(piece.pattern, style, kerf_mm)
+        creases.append(replace(cut.creases, numbers=piece.edges[cut.creases.numbers]))
+        findings += [_of_piece(piece, finding, alone=alone) for finding in cut.findings]
+        layers.append((*cut.layers, engraved(piece.labels)) if pieces.labelled else cut.layers)
+    return layers, [*findings, *crease_findings(creases, style.margin_mm, kerf_mm)]
+
+
+def _of_piece(piece: Piece, finding: Finding, *, alone: bool) -> Finding:
+    """A finding of a piece, which is named unless it is alone, with the pattern's edge numbers."""
+    return replace(
+        finding,
+        text=finding.text if alone else f"piece {piece.name}: {finding.text}",
+        creases=tuple(int(piece.edges[e]) for e in finding.creases if piece.edges[e] >= 0),
+    )
+
+
+def _placed(
+    layers: Sequence[Sequence[Layer]], request: SheetRequest, progress: Progress
+) -> Placements:
+    """Where on which sheet each copy of each piece is."""
+    outlines = [_outline(piece) for piece in layers]
+    progress("nest", 0, request.copies * len(outlines))
+    return nest(
+        outlines,
+        request.machine.bed_mm,
+        request.gap_mm,
+        request.copies,
+        request.margin_mm,
+        partial(progress, "nest"),
+    )
+
+
+def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
+    """The outer outline of a piece as it is cut; its holes stay free of other pieces."""
+    rings = [
+        ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
+    ]
+    if not rings:
+        raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
+    return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """Files of a sheet, or of one side of it, and what the report says of the work on it."""
+
+    files: dict[str, bytes]
+    work: dict[str, Any]
+
+
+def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
+    """A sheet from one side, or from both where they are registered."""
+    registration, machine = request.registration, request.machine
+    if registration is None:
+        return _drawn(sheet, name, request)
+    both = two_sided(sheet, registration, machine.margin_mm, machine.kerf_mm)
+    sides = {
+        side: _drawn(paths, f"{name}_{side}", request)
+        for side, paths in zip(("front", "back"), both, strict=True)
+    }
+    files = {file: data for side in sides.values() for file, data in side.files.items()}
+    listed = {name: {"files": list(side.files), **side.work} for name, side in sides.items()}
+    turn = how_to_turn(name, registration, machine.bed_mm)
+    return _Drawn(files, sides_report(listed, turn))
+
+
+def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
+    """Files of a drawing, and figures of the work, in the order of the tour."""
+    machine = request.machine
+    ordered = tour(paths)
+    return _Drawn(
+        drawing_files(ordered, name, request.formats, machine.colours, machine.dxf_version),
+        estimate_report(estimate(ordered, request.speeds)),
+    )

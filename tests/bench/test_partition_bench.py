@@ -10,10 +10,9 @@ import time
 import numpy as np
 import pytest
 
-from fab.pattern.crease_pattern import crease_pattern
+from fab.pattern.crease_pattern import crease_pattern, scaled
 from fab.pattern.development import develop
 from fab.sheets.pieces import SheetSplit, split
-from fab.sheets.sheet_files import scaled
 from solver import Miura
 
 BED = (600.0, 400.0)
@@ -42,9 +41,9 @@ def test_cost_of_a_face(benchmark, width_mm):
         held = np.array([(piece.faces >= 0).sum() for piece in made.pieces])
         uneven.append(round(float(held.max() / held.mean()), 3))
     benchmark.pedantic(split, args=(miura(1_000, 1000.0), SheetSplit(), BED))
-    relative = [round(one / cost[0], 2) for one in cost]
+    relative = [round(own / cost[0], 2) for own in cost]
     figures = {"faces": sizes, "pieces": pieces, "largest_per_mean": uneven}
-    figures |= {"relative_cost": relative, "us_per_face": [round(one * 1e6) for one in cost]}
+    figures |= {"relative_cost": relative, "us_per_face": [round(own * 1e6) for own in cost]}
     benchmark.extra_info.update(figures)
     print(f"\n{figures}")
     assert relative[-1] < 4

@@ -2,7 +2,7 @@
 
     pytest tests/bench/test_perforation_bench.py --benchmark-only -s
 
-Both figures stand in the benchmark's `extra_info`.
+Both figures are in the benchmark's `extra_info`.
 """
 
 import time
@@ -13,7 +13,8 @@ import pytest
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.sheets.crease_styles import DashDotStyle, DashStyle, DotStyle, LatticeStyle
-from fab.sheets.perforation import PerforationSettings, cut_layers
+from fab.sheets.perforation import cut_layers
+from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 from solver import Miura
 

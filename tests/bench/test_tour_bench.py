@@ -3,7 +3,7 @@
     pytest tests/bench --benchmark-only -s
 
 The lower bound is the shortest tree that joins all lines and the head, the lines themselves free:
-every way over all lines is such a tree. All figures stand in the benchmark's `extra_info`.
+every tour of all lines is such a tree. All figures are in the benchmark's `extra_info`.
 """
 
 import time
@@ -15,8 +15,10 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import Delaunay
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
-from fab.sheets.crease_styles import DashStyle, cuts_along
-from fab.sheets.cutting_order import nearest_neighbours, tour, travel_mm
+from fab.sheets.crease_cuts import cuts_along
+from fab.sheets.crease_styles import DashStyle
+from fab.sheets.cutting_order import tour
+from fab.sheets.tours import nearest_neighbours, travel_mm
 
 HEAD = np.zeros(2)
 
@@ -46,14 +48,14 @@ def tree_length(segments):
     triangles = Delaunay(points).simplices
     sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     line = np.minimum(np.arange(len(points)) // 2, len(segments))
-    one, two = np.sort(line[sides], axis=1).T
+    low, high = np.sort(line[sides], axis=1).T
     far = np.hypot(*(points[sides[:, 0]] - points[sides[:, 1]]).T)
     # several links of the same two lines would be added up: the shortest counts
-    order = np.lexsort([far, two, one])
-    one, two, far = one[order], two[order], far[order]
-    first = np.r_[True, (np.diff(one) != 0) | (np.diff(two) != 0)] & (one != two)
+    order = np.lexsort([far, high, low])
+    low, high, far = low[order], high[order], far[order]
+    first = np.r_[True, (np.diff(low) != 0) | (np.diff(high) != 0)] & (low != high)
     size = len(segments) + 1
-    graph = coo_array((far[first], (one[first], two[first])), shape=(size, size)).tocsr()
+    graph = coo_array((far[first], (low[first], high[first])), shape=(size, size)).tocsr()
     return float(minimum_spanning_tree(graph).sum())
 
 
@@ -69,10 +71,10 @@ def test_tours(benchmark, lines):
         ends, number = segments.reshape(-1, 2), np.arange(2 * len(segments))
         entries = nearest_neighbours(ends, number // 2, number ^ 1, HEAD)
         nearest = np.stack([ends[entries], ends[entries ^ 1]], axis=1)
-        way = travel_mm(toured, HEAD)
+        travel = travel_mm(toured, HEAD)
         sizes.append(len(segments))
-        alone.append(round(way / travel_mm(nearest, HEAD), 3))
-        bound.append(round(way / tree_length(segments), 3))
+        alone.append(round(travel / travel_mm(nearest, HEAD), 3))
+        bound.append(round(travel / tree_length(segments), 3))
     benchmark.pedantic(tour, args=(CutPaths((Layer(Operation.VALLEY, lines(1_000)),), (1, 1)),))
     assert max(alone) < 1 <= min(bound)
     exponent = round(float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0]), 2)

@@ -24,7 +24,8 @@ from fab.drawings.svg import svg_bytes
 from fab.outputs import plain_title
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
-from fab.sheets.perforation import PerforationSettings, perforate
+from fab.sheets.perforation import perforate
+from fab.sheets.perforation_settings import PerforationSettings
 from solver import CurvedFold, InvalidValue
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from fab.errors import InvalidJob
 from fab.jobs.job import parse_job
+from fab.sheets.crease_cuts import cuts_along, unscaled_length
 from fab.sheets.crease_styles import (
     DashDotStyle,
     DashStyle,
@@ -17,10 +18,8 @@ from fab.sheets.crease_styles import (
     LatticeStyle,
     NoStyle,
     ScoreStyle,
-    cuts_along,
-    unscaled_length,
 )
-from fab.sheets.perforation import PerforationSettings
+from fab.sheets.perforation_settings import PerforationSettings
 from solver import InvalidValue
 
 sizes = st.floats(0.05, 20.0)

@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
-from fab.sheets.cutting_order import Estimate, _Tour, estimate, nearest_neighbours, tour, travel_mm
+from fab.sheets.cutting_order import tour
 from fab.sheets.materials import Speeds
+from fab.sheets.tours import Tour, nearest_neighbours, travel_mm
+from fab.sheets.work_estimate import Estimate, estimate
 
 SPEEDS = Speeds(cut_mm_s=10, perforate_mm_s=20, engrave_mm_s=50, travel_mm_s=100, pierce_s=0.5)
 ORIGIN = np.zeros(2)
@@ -52,7 +54,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 @given(segment_counts, segment_counts, seeds)
-def test_lines_are_kept_and_no_way_is_longer(dashes, rings, seed):
+def test_lines_are_kept_and_no_tour_is_longer(dashes, rings, seed):
     rng = np.random.default_rng(seed)
     outlines = tuple(ring(*rng.uniform(0, 100, 2), 0.5, rng.integers(3, 9)) for _ in range(rings))
     paths = sheet(Layer(Operation.VALLEY, random_segments(dashes, seed), outlines))
@@ -85,23 +87,23 @@ def test_nearest_neighbours_are_the_nearest(count, seed):
 
 
 @given(st.integers(2, 40), seeds)
-def test_every_move_shortens_the_way_by_what_it_says(count, seed):
+def test_every_move_shortens_the_tour_and_keeps_its_lines(count, seed):
     ends = random_segments(count, seed, size=20.0).reshape(-1, 2)
-    at = _Tour(ends, 2 * np.random.default_rng(seed).permutation(count), ORIGIN)
+    at = Tour(ends, 2 * np.random.default_rng(seed).permutation(count), ORIGIN)
 
-    def way():
+    def length():
         return travel_mm(np.stack([ends[at.entries], ends[at.entries ^ 1]], axis=1), ORIGIN)
 
-    before = way()
+    before = length()
     for end in range(2 * count):
-        moved = at._move(end)
-        assert way() < before - 5e-10 if moved else way() == before
-        before = way()
+        moved = at.move(end)
+        assert length() < before - 5e-10 if moved else length() == before
+        before = length()
         assert sorted(at.entries >> 1) == list(range(count))
         assert (at.places[at.entries >> 1] == np.arange(count)).all()
 
 
-def test_shortest_way_of_a_row_of_dashes():
+def test_the_shortest_tour_of_a_row_of_dashes_is_found():
     row = np.array([[[4.0 * i, 0.0], [4.0 * i + 3, 0.0]] for i in range(300)])
     mixed = row[np.random.default_rng(1).permutation(300)]
     mixed[::3] = mixed[::3, ::-1]
@@ -109,21 +111,21 @@ def test_shortest_way_of_a_row_of_dashes():
     np.testing.assert_array_equal(toured, row)
 
 
-def test_outlines_start_where_the_way_is_shortest():
+def test_outlines_start_where_the_tour_is_shortest():
     square = np.array([[9.0, 1], [9, 9], [1, 9], [1, 1]])
     squares = tuple(square + shift for shift in ([40.0, 0], [0.0, 0], [20.0, 0]))
     toured = tour(sheet(Layer(Operation.RELIEF, outlines=squares)))
-    ways = [
+    lengths = [
         np.hypot(*np.diff([ORIGIN, *corners], axis=0).T).sum()
         for order in permutations(squares)
         for corners in product(*order)
     ]
-    assert estimate(toured, SPEEDS).travel_mm == pytest.approx(min(ways), rel=1e-12)
+    assert estimate(toured, SPEEDS).travel_mm == pytest.approx(min(lengths), rel=1e-12)
 
 
 @st.composite
 def nested_rings(draw):
-    """Concentric rings around several centres, some of which lie within a frame: any order."""
+    """Concentric rings around several centres, some of them within a frame, in any order."""
     centres = draw(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), unique=True))
     rings = [
         ring(10.0 * x, 10.0 * y, radius, draw(st.integers(3, 9)))
@@ -149,7 +151,7 @@ def test_cuts_go_inside_out(rings, dashes):
     assert sorted(map(from_least, toured.outlines)) == sorted(map(from_least, rings))
 
 
-def test_rings_are_cut_inside_out_even_where_the_way_is_longer():
+def test_rings_are_cut_inside_out_even_where_the_tour_is_longer():
     around, inner = ring(50.0, 50.0, 49.0, 30), ring(50.0, 50.0, 1.0)
     toured = tour(sheet(Layer(Operation.CUT, outlines=(around, inner)))).layers[0]
     assert [len(outline) for outline in toured.outlines] == [7, 30]
@@ -164,7 +166,7 @@ def test_a_hole_that_touches_its_outline_is_cut_first():
     assert [len(outline) for outline in toured.outlines] == [3, 4]
 
 
-def test_operations_stand_in_the_order_of_the_work():
+def test_operations_are_in_the_order_of_the_work():
     segments = random_segments(5, 3)
     layers = [Layer(operation, segments) for operation in reversed(Operation)]
     assert [layer.operation for layer in tour(sheet(*layers)).layers] == list(Operation)
@@ -181,11 +183,11 @@ def test_empty_layers_stay():
 def test_estimate_is_exact():
     square = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
     paths = sheet(
-        Layer(Operation.ENGRAVE, np.array([[[3.0, 4], [3, 9]]])),  # 5 there, 5 long
-        Layer(Operation.MOUNTAIN, np.array([[[3.0, 9], [6, 13]]])),  # 0 there, 5 long
-        Layer(Operation.VALLEY, np.array([[[6.0, 13], [6, 23]]])),  # 0 there, 10 long
-        Layer(Operation.RELIEF, outlines=(square + np.array([6.0, 23.0]),)),  # 0 there, 40 long
-        Layer(Operation.CUT, np.array([[[6.0, 20], [6, 0]]]), (square,)),  # 3 and 6 there
+        Layer(Operation.ENGRAVE, np.array([[[3.0, 4], [3, 9]]])),  # travel 5, 5 long
+        Layer(Operation.MOUNTAIN, np.array([[[3.0, 9], [6, 13]]])),  # travel 0, 5 long
+        Layer(Operation.VALLEY, np.array([[[6.0, 13], [6, 23]]])),  # travel 0, 10 long
+        Layer(Operation.RELIEF, outlines=(square + np.array([6.0, 23.0]),)),  # travel 0, 40 long
+        Layer(Operation.CUT, np.array([[[6.0, 20], [6, 0]]]), (square,)),  # travel 3 and 6
     )
     assert estimate(paths, SPEEDS) == Estimate(
         pierces=5,
@@ -202,9 +204,9 @@ def test_the_same_sheet_gives_the_same_tour():
         ring(*center, 1.0) for center in np.random.default_rng(2).uniform(0, 99, (40, 2))
     )
     paths = sheet(Layer(Operation.CUT, random_segments(500, 7), outlines))
-    one, two = tour(paths).layers[0], tour(paths).layers[0]
-    assert one.segments.tobytes() == two.segments.tobytes()
-    assert np.concatenate(one.outlines).tobytes() == np.concatenate(two.outlines).tobytes()
+    first, second = tour(paths).layers[0], tour(paths).layers[0]
+    assert first.segments.tobytes() == second.segments.tobytes()
+    assert np.concatenate(first.outlines).tobytes() == np.concatenate(second.outlines).tobytes()
 
 
 def test_lines_that_lie_on_each_other_are_all_kept():

@@ -6,14 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from flat_patterns import fan, grid, pattern_of, triangles
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fab.errors import Severity
-from fab.sheets.crease_styles import LatticeStyle
+from fab.pattern.crease_pattern import scaled
+from fab.sheets.crease_styles import DashStyle, LatticeStyle
 from fab.sheets.feature_size import enlargement, face_widths_mm, narrow_faces
-from fab.sheets.perforation import DashStyle, PerforationSettings, cut_layers, perforate
-from fab.sheets.sheet_files import scaled
+from fab.sheets.perforation import cut_layers, perforate
+from fab.sheets.perforation_settings import PerforationSettings
 
 FACTOR = re.compile(r"([0-9.e+]+) times as large")
 
@@ -43,11 +44,24 @@ def test_the_factor_that_is_named_is_the_least_in_three_digits(seed, kerf_mm):
     assert narrow_faces(scaled(pattern, factor=0.99 * factor), kerf_mm)
 
 
+@pytest.mark.parametrize(
+    ("columns", "text"),
+    [
+        (1, "1 of 1 faces is not wider than the kerf (8 mm): face 0 is 7 mm across, and nothing"),
+        (2, "2 of 2 faces are not wider than the kerf (8 mm), the narrowest, 0, is 7 mm across:"),
+    ],
+)
+def test_narrow_faces_are_named_in_singular_and_plural(columns, text):
+    (finding,) = narrow_faces(grid(columns, 1, 7.0), 8.0)
+    assert finding.text.startswith(text)
+
+
 def test_a_knife_without_kerf_cuts_any_face():
     assert narrow_faces(grid(2, 2, 1e-9), 0.0) == []
 
 
 @given(st.floats(1e-9, 1e9), st.floats(1e-9, 1e9))
+@example(0.01, 2.0)
 def test_enlarged_lengths_exceed_what_is_needed_by_one_percent_at_most(needed, present):
     factor = float(enlargement(np.array([needed]), np.array([present])))
     assert needed < factor * present <= needed * 1.0101

@@ -1,4 +1,4 @@
-"""Kerf: exact areas, there and back, no ring that crosses itself."""
+"""Kerf: exact areas, forth and back, no ring that crosses itself."""
 
 import numpy as np
 import pytest
@@ -43,9 +43,11 @@ def stars(draw):
 
 def turns(ring):
     """Signed turn at each corner, positive to the left."""
-    one = ring - np.roll(ring, 1, axis=0)
-    two = np.roll(ring, -1, axis=0) - ring
-    return np.arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
+    before = ring - np.roll(ring, 1, axis=0)
+    after = np.roll(ring, -1, axis=0) - ring
+    return np.arctan2(
+        before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1)
+    )
 
 
 @given(stars(), st.floats(0.01, 0.5))
@@ -67,11 +69,11 @@ def test_area_grows_by_the_perimeter_and_its_corners(ring, kerf):
 
 @given(stars(), st.floats(0.0, 10.0))
 def test_no_ring_crosses_itself_whatever_the_kerf(ring, kerf):
-    for way in (1, -1):
-        rings, findings = compensated([ring[::way]], kerf)
+    for step in (1, -1):
+        rings, findings = compensated([ring[::step]], kerf)
         assert rings or [f.code for f in findings] == ["hole-narrower-than-kerf"]
         assert all(shapely.LinearRing(r).is_simple for r in rings)
-        assert all((area(r) > 0) == (way > 0) for r in rings) or findings
+        assert all((area(r) > 0) == (step > 0) for r in rings) or findings
 
 
 def test_mitres_are_limited():
@@ -91,7 +93,16 @@ def test_what_a_beam_cannot_cut_is_named():
     rings, (finding,) = compensated([square(10.0), square(0.3, 4, 4)[::-1]], 0.3)
     assert len(rings) == 1
     assert finding.code == "hole-narrower-than-kerf"
-    assert "x = 4.150" in finding.text
+    assert finding.text == (
+        "1 of 2 outlines (around x = 4.150, y = 4.150 mm) is a hole nowhere wider than the kerf "
+        "(0.3 mm) and is left out. Enlarge it."
+    )
+    holes = [square(0.3, x, 4)[::-1] for x in (4, 6)]
+    _, (finding,) = compensated([square(10.0), *holes], 0.3)
+    assert finding.text == (
+        "2 of 3 outlines (the first around x = 4.150, y = 4.150 mm) are holes nowhere wider than "
+        "the kerf (0.3 mm) and are left out. Enlarge them."
+    )
     # a C whose mouth is narrower than the beam
     mouth = np.array(
         [
@@ -122,6 +133,7 @@ def test_what_a_beam_cannot_cut_is_named():
     rings, (finding,) = compensated([square(10.0), square(10.0, 10.2, 0)], 0.3)
     assert len(rings) == 2
     assert finding.code == "outlines-nearer-than-kerf"
+    assert finding.text.startswith("1 pair of outlines is nearer to each other than the kerf")
     _, findings = compensated([square(10.0), square(10.0, 10.4, 0)], 0.3)
     assert findings == []
 

@@ -9,9 +9,9 @@ from fab.catalogue import shipped_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
 from fab.errors import InvalidJob
-from fab.sheets.crease_styles import ScoreStyle
+from fab.sheets.crease_styles import DashStyle, ScoreStyle
 from fab.sheets.materials import load_machine, load_material, perforation_for
-from fab.sheets.perforation import DashStyle, FoldBand, PerforationSettings
+from fab.sheets.perforation_settings import FoldBand, PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 
 MATERIALS, MACHINES = shipped_of("sheet"), shipped_of("cutter")
@@ -78,7 +78,7 @@ def test_every_number_names_its_unit(path):
     walk(tomllib.loads(path.read_text()))
 
 
-def test_whole_lines_are_scores_on_the_layers_of_their_letters():
+def test_whole_lines_are_scores_on_the_layers_of_their_assignments():
     material = load_material("card_300gsm")
     whole = perforation_for(load_machine("diode_10w_400x400"), material)
     assert whole.mountain == whole.valley == ScoreStyle()

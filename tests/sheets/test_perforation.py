@@ -1,5 +1,7 @@
 """Dashes on whole patterns: on their creases, outside all margins, nothing covered twice."""
 
+import re
+
 import numpy as np
 import pytest
 import shapely
@@ -11,6 +13,7 @@ from fab.drawings.cut_paths import Operation
 from fab.errors import Severity
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
+from fab.sheets.crease_cuts import cuts_along
 from fab.sheets.crease_styles import (
     DashDotStyle,
     DashStyle,
@@ -19,9 +22,9 @@ from fab.sheets.crease_styles import (
     LatticeStyle,
     NoStyle,
     ScoreStyle,
-    cuts_along,
 )
-from fab.sheets.perforation import FoldBand, PerforationSettings, cut_layers, perforate
+from fab.sheets.perforation import cut_layers, perforate
+from fab.sheets.perforation_settings import FoldBand, PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 from solver import InvalidValue, Miura
 
@@ -69,7 +72,7 @@ def test_dashes_of_many_creases_are_those_of_each():
         assert cuts.segments[cuts.owner == i] == pytest.approx(alone.segments, abs=1e-12)
 
 
-def test_a_pattern_is_cut_by_letter_and_its_outline_is_closed_once():
+def test_a_pattern_is_cut_by_assignment_and_its_outline_is_closed_once():
     mesh = Miura(columns=4, rows=3).grow().mesh
     pattern = crease_pattern(mesh, develop(mesh), 20.0)
     paths, findings = perforate(pattern, PerforationSettings())
@@ -114,8 +117,8 @@ def test_creases_too_short_for_their_margins_are_named():
     paths, findings = perforate(pattern, PerforationSettings(margin_mm=10.0))
     assert [(f.code, f.severity) for f in findings] == [("crease-too-short", Severity.ERROR)]
     counts = pattern.counts()
-    told = f"{counts['M']} of {counts['M']} mountain and {counts['V']} of {counts['V']} valley"
-    assert findings[0].text.startswith(told)
+    counted = f"{counts['M']} of {counts['M']} mountain and {counts['V']} of {counts['V']} valley"
+    assert findings[0].text.startswith(counted)
     folded = np.isin(pattern.edges_assignment, ["M", "V"])
     assert findings[0].creases == tuple(np.flatnonzero(folded).tolist())
     assert all(len(layer.segments) == 0 for layer in paths.layers)
@@ -175,8 +178,8 @@ def assert_sound(pattern, layers, findings, settings, kerf):
     every = shapely.linestrings(np.concatenate([segments, of[Operation.CUT].segments, *sides]))
     union = shapely.length(shapely.union_all(every))
     assert shapely.length(every).sum() == pytest.approx(union, rel=1e-9)
-    one, two = shapely.STRtree(every).query(cuts, predicate="intersects")
-    assert (one == two).all()
+    first, second = shapely.STRtree(every).query(cuts, predicate="intersects")
+    assert (first == second).all()
     if Operation.RELIEF in of:
         holes = shapely.union_all([shapely.Polygon(r) for r in of[Operation.RELIEF].outlines])
         least = settings.margin_mm - (kerf / 2 if pierced else 0.0)
@@ -256,7 +259,7 @@ def test_styles_by_fold_angle():
     ]
 
 
-def test_edges_with_one_face_are_outlines_whatever_their_letter():
+def test_edges_with_one_face_are_outlines_whatever_their_assignment():
     pattern = grid(2, 1, 20.0)
     letters = np.full(len(pattern.edges_vertices), "M")
     arrays = {name: getattr(pattern, name) for name in pattern.__dataclass_fields__}
@@ -285,6 +288,7 @@ def test_cuts_shorter_than_the_kerf_are_named():
     layers, (finding,) = cut_layers(grid(2, 1, 20.0), settings, 0.2)
     assert finding.code == "cut-shorter-than-kerf"
     assert len(finding.creases) == 1
+    assert re.match(r"\d+ cuts on 1 crease are not longer than the kerf \(0\.2 mm\)", finding.text)
     segments = layers[1].segments
     assert np.hypot(*(segments[:, 1] - segments[:, 0]).T) == pytest.approx(0.01)
     _, findings = cut_layers(grid(2, 1, 20.0), settings, 0.1)
@@ -327,6 +331,19 @@ def test_lattices_too_wide_for_their_faces_are_left_out_and_named():
     layers, findings = cut_layers(pattern, PerforationSettings(valley=fits, margin_mm=0.1))
     assert findings == []
     assert len(layers[1].segments) > 0
+
+
+def test_a_single_crease_is_named_in_the_singular():
+    pattern = grid(2, 1, 20.0)
+    _, (finding,) = cut_layers(pattern, PerforationSettings(margin_mm=10.0))
+    assert finding.text == (
+        "1 of 1 valley creases leaves nothing between its margins (20 mm, and what relief holes "
+        "and lattices take) and stays uncut. It is 20 mm long. Lower margin_mm, or make the sheet "
+        "at least 1.01 times as large."
+    )
+    wide = LatticeStyle(cut_mm=4.0, gap_mm=1.0, rows=60, pitch_mm=1.0)
+    _, (finding,) = cut_layers(pattern, PerforationSettings(valley=wide, margin_mm=0.1))
+    assert finding.text.startswith("1 lattice would meet other lines across a face and stays uncut")
 
 
 def test_nothing_is_drawn_between_faces_that_are_one():

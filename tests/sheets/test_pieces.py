@@ -79,19 +79,20 @@ def lengths(pattern: CreasePattern, edges) -> np.ndarray:
 def faces_overlap(pattern: CreasePattern) -> bool:
     """Whether two polygons of a pattern share area: pair by pair, by their common area."""
     shapes = polygons_of(pattern)
-    one, two = shapely.STRtree(shapes).query(shapes)
-    one, two = one[one < two], two[one < two]
-    common = shapely.area(shapely.intersection(shapes[one], shapes[two], grid_size=1e-7))
+    first, second = shapely.STRtree(shapes).query(shapes)
+    pairs = first < second
+    first, second = first[pairs], second[pairs]
+    common = shapely.area(shapely.intersection(shapes[first], shapes[second], grid_size=1e-7))
     return bool((common > 1e-5).any())
 
 
-def check(pattern: CreasePattern, made: Pieces, given_: SheetSplit, bed) -> None:
+def check(pattern: CreasePattern, made: Pieces, chosen: SheetSplit, bed) -> None:
     """Everything that is promised of pieces."""
     pieces, seams = made.pieces, made.seams
     every = np.concatenate([piece.faces[piece.faces >= 0] for piece in pieces])
     assert sorted(every.tolist()) == list(range(pattern.face_count))
     assert len({piece.name for piece in pieces}) == len(pieces)
-    room = np.array(bed) - 2 * given_.margin_mm
+    room = np.array(bed) - 2 * chosen.margin_mm
     whole_areas = areas(pattern)
     for number, piece in enumerate(pieces):
         own = piece.pattern
@@ -171,8 +172,8 @@ def check_labels(piece) -> None:
         assert label.height_mm >= 1
         assert (shapely.covers(faces, shapely.multipoints(every))).any(), "crosses a crease"
         boxes.append(shapely.multipoints(every).convex_hull)
-    one, two = shapely.STRtree(boxes).query(boxes, predicate="intersects")
-    assert (one == two).all()
+    first, second = shapely.STRtree(boxes).query(boxes, predicate="intersects")
+    assert (first == second).all()
 
 
 def test_a_slit_is_no_seam_and_an_edge_to_be_cut_joins_nothing():
@@ -192,10 +193,10 @@ def test_a_slit_is_no_seam_and_an_edge_to_be_cut_joins_nothing():
         ]
     )
     polygons = [(0, 1, 4, 3), (9, 2, 5, 4), (3, 4, 7, 6), (4, 5, 8, 7)]
-    one = flat_pattern(slit, polygons)
+    slitted = flat_pattern(slit, polygons)
     folded = np.column_stack([slit, np.zeros(10)]).astype(float)
-    one = dataclasses.replace(one, folded_coords=folded)
-    made, findings = split(one, SheetSplit(), (100.0, 100.0))
+    slitted = dataclasses.replace(slitted, folded_coords=folded)
+    made, findings = split(slitted, SheetSplit(), (100.0, 100.0))
     assert (len(made.pieces), made.seams, findings) == (1, (), [])
     middle = (pattern.edges_faces[:, 1] >= 0) & (
         pattern.vertices_coords[pattern.edges_vertices][:, :, 0] == 40
@@ -217,11 +218,11 @@ def test_a_sheet_that_fits_is_one_piece_in_its_best_box():
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     pattern = grid(3, 2, 30.0)
     leaning = dataclasses.replace(pattern, vertices_coords=pattern.vertices_coords @ turn.T + 7)
-    for one in (pattern, leaning):
-        made, findings = split(one, SheetSplit(margin_mm=5), (100.0, 70.0))
+    for turned in (pattern, leaning):
+        made, findings = split(turned, SheetSplit(margin_mm=5), (100.0, 70.0))
         assert findings == []
         assert made.seams == ()
-        check(one, made, SheetSplit(margin_mm=5), (100, 70))
+        check(turned, made, SheetSplit(margin_mm=5), (100, 70))
         assert np.ptp(made.pieces[0].pattern.vertices_coords, axis=0) == pytest.approx([90, 60])
     made, _ = split(pattern, SheetSplit(margin_mm=5), (99.9, 70.0))
     assert len(made.pieces) == 2
@@ -271,7 +272,7 @@ def test_tabs_are_shared_fairly_where_both_sides_have_room():
 
 
 def test_mitres_stay_within_the_face_that_is_glued_to():
-    """Across the seam stands a flat triangle with angles of 30 degrees: so the mitre is below."""
+    """Across the seam is a flat triangle with angles of 30 degrees, so the mitre is smaller."""
     height = 20 * np.tan(np.radians(30))
     coords = [[0, 0], [40, 0], [40, 40], [0, 40], [20, -height]]
     pattern = flat_pattern(coords, [(0, 1, 2, 3), (0, 4, 1)])
@@ -287,11 +288,11 @@ def test_mitres_stay_within_the_face_that_is_glued_to():
 @pytest.mark.parametrize("tab_mm", [1.0, 8.0, 30.0])
 def test_tabs_of_every_shape_overlap_nothing(tab_angle_deg, tab_mm):
     pattern = pattern_of(Miura(columns=6, rows=6).grow().mesh, 25.0)
-    given_ = SheetSplit(tab_mm=tab_mm, tab_angle_deg=tab_angle_deg)
-    made, _ = split(pattern, given_, (130.0, 130.0))
+    chosen = SheetSplit(tab_mm=tab_mm, tab_angle_deg=tab_angle_deg)
+    made, _ = split(pattern, chosen, (130.0, 130.0))
     assert len(made.pieces) > 1
     assert any(seam.tab is not None for seam in made.seams)
-    check(pattern, made, given_, (130, 130))
+    check(pattern, made, chosen, (130, 130))
 
 
 @given(
@@ -339,8 +340,8 @@ def test_a_hole_stays_a_hole_and_squares_that_touch_at_a_corner_come_apart():
     assert len(made.pieces) == 1
     assert len(boundary_loops(made.pieces[0].pattern.edges)) == 2
     check(ring, made, SheetSplit(), (200, 200))
-    two = grid(2, 2, 30.0, holes=[(0, 0), (1, 1)])
-    made, _ = split(two, SheetSplit(), (200.0, 200.0))
+    touching = grid(2, 2, 30.0, holes=[(0, 0), (1, 1)])
+    made, _ = split(touching, SheetSplit(), (200.0, 200.0))
     assert [len(piece.faces) for piece in made.pieces] == [1, 1]
     pinched = grid(4, 3, 30.0, holes=[(1, 1), (2, 2)])  # one part that touches itself inside
     made, _ = split(pinched, SheetSplit(), (200.0, 200.0))
@@ -456,13 +457,13 @@ def test_triangles_between_random_points(seed, width, tab_mm):
     sides = np.linalg.norm(points[corners] - points[np.roll(corners, 1, axis=1)], axis=2)
     plain = (np.abs(size) > 50) & (sides.max(axis=1) < 200) & (random.random(len(corners)) < 0.9)
     pattern = flat_pattern(points, corners[plain].tolist())
-    given_ = SheetSplit(tab_mm=tab_mm)
-    made, _ = split(pattern, given_, (width, 260.0))
-    check(pattern, made, given_, (width, 260))
+    chosen = SheetSplit(tab_mm=tab_mm)
+    made, _ = split(pattern, chosen, (width, 260.0))
+    check(pattern, made, chosen, (width, 260))
 
 
-def test_names_stand_where_they_cross_no_crease_and_as_high_as_there_is_room():
-    """Of two squares joined by a strip, the one without seams; a long face turns its name."""
+def test_names_are_where_they_cross_no_crease_and_as_high_as_there_is_room():
+    """On one of two squares joined by a strip; on a long face the name is turned."""
     coords = [[0, 0], [30, 0], [30, 30], [0, 30], [35, 0], [35, 30], [65, 0], [65, 30]]
     pattern = flat_pattern(coords, [(0, 1, 2, 3), (1, 4, 5, 2), (4, 6, 7, 5)])
     made, _ = split(pattern, SheetSplit(), (200.0, 200.0))
@@ -534,10 +535,10 @@ def test_names_run_on_after_z():
 
 def test_splitting_is_repeatable_and_leaves_the_pattern_untouched(curled):
     before = curled.vertices_coords.copy()
-    one, _ = split(curled, SheetSplit(), (900.0, 300.0))
-    two, _ = split(curled, SheetSplit(), (900.0, 300.0))
-    assert one.seams == two.seams
-    for p, q in zip(one.pieces, two.pieces, strict=True):
+    first, _ = split(curled, SheetSplit(), (900.0, 300.0))
+    second, _ = split(curled, SheetSplit(), (900.0, 300.0))
+    assert first.seams == second.seams
+    for p, q in zip(first.pieces, second.pieces, strict=True):
         assert (p.pattern.vertices_coords == q.pattern.vertices_coords).all()
         assert p.labels == q.labels
     assert (curled.vertices_coords == before).all()
@@ -585,13 +586,13 @@ def test_faces_that_cannot_be_cut_out_are_refused():
 def test_the_checks_see_what_is_wrong():
     """Negative controls of the tests themselves: pieces put back together, and a shifted tab."""
     pattern = grid(4, 2, 30.0)
-    given_ = SheetSplit()
-    made, _ = split(pattern, given_, (95.0, 95.0))
-    check(pattern, made, given_, (95, 95))
+    chosen = SheetSplit()
+    made, _ = split(pattern, chosen, (95.0, 95.0))
+    check(pattern, made, chosen, (95, 95))
     with pytest.raises(AssertionError):
-        check(pattern, made, given_, (60, 60))
+        check(pattern, made, chosen, (60, 60))
     with pytest.raises(AssertionError):
-        check(pattern, Pieces(made.pieces[:-1], made.seams), given_, (95, 95))
+        check(pattern, Pieces(made.pieces[:-1], made.seams), chosen, (95, 95))
     bearer = next(i for i, piece in enumerate(made.pieces) if (piece.faces < 0).any())
     piece = made.pieces[bearer]
     coords = piece.pattern.vertices_coords.copy()
@@ -601,7 +602,7 @@ def test_the_checks_see_what_is_wrong():
     )
     pieces = (*made.pieces[:bearer], wrong, *made.pieces[bearer + 1 :])
     with pytest.raises(AssertionError):
-        check(pattern, Pieces(pieces, made.seams), given_, (95, 95))
+        check(pattern, Pieces(pieces, made.seams), chosen, (95, 95))
 
 
 def test_numbers_that_are_others_upside_down_have_a_full_stop():
@@ -628,15 +629,15 @@ def test_letters_have_their_height_middle_and_direction():
     assert len(rings) == 3  # the A has a hole
 
 
-def test_progress_is_told_up_to_the_last_face_and_can_interrupt():
+def test_progress_is_reported_up_to_the_last_face_and_can_interrupt():
     pattern = grid(12, 12, 30.0)
-    told = []
-    made, _ = split(pattern, SheetSplit(), (150.0, 120.0), lambda *steps: told.append(steps))
-    assert len(told) > len(made.pieces) > 1
-    assert {total for _, total in told} == {2 * pattern.face_count}
-    assert [done for done, _ in told] == sorted(done for done, _ in told)
-    assert sum(0 < done < pattern.face_count for done, _ in told) > 1
-    assert told[-1] == (288, 288)
+    seen = []
+    made, _ = split(pattern, SheetSplit(), (150.0, 120.0), lambda *steps: seen.append(steps))
+    assert len(seen) > len(made.pieces) > 1
+    assert {total for _, total in seen} == {2 * pattern.face_count}
+    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
+    assert sum(0 < done < pattern.face_count for done, _ in seen) > 1
+    assert seen[-1] == (288, 288)
 
     def stop(*_):
         raise KeyboardInterrupt

@@ -7,7 +7,8 @@ from flat_patterns import triangles
 
 from fab.drawings.cut_paths import CutPaths, Operation, joined
 from fab.drawings.dxf import dxf_bytes
-from fab.sheets.perforation import PerforationSettings, perforate
+from fab.sheets.perforation import perforate
+from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.registration import Axis, Registration, how_to_turn, two_sided
 from fab.sheets.relief_holes import ReliefSettings
 from solver import InvalidValue
@@ -28,7 +29,7 @@ def paths():
 
 
 def turned(points, axis, size):
-    """Where a point of the sheet comes to lie when the sheet is turned over."""
+    """Where a point of the sheet is when the sheet is turned over."""
     out = points.copy()
     across = 1 if axis == "x" else 0
     out[..., across] = size[across] - out[..., across]
@@ -92,7 +93,7 @@ def test_holes_and_axis_meet_their_mirror_image_and_no_other(paths, axis):
     assert wrong.symmetric_difference(every).area > 1.0
     around = shapely.transform(every, lambda p: size - p)
     assert around.symmetric_difference(every).area > 1.0
-    # crosses of the back lie in the holes, which lie there again
+    # the crosses of the back are in the holes, which are where they were
     crosses = shapely.linestrings(by_operation(back)[Operation.ENGRAVE].segments)
     assert all(hole.buffer(-0.8).contains(crosses).sum() == 2 for hole in holes)
     middles = {(h.centroid.x, h.centroid.y) for h in holes}
@@ -110,18 +111,18 @@ def test_holes_and_axis_meet_their_mirror_image_and_no_other(paths, axis):
     assert shapely.distance(shapely.linestrings(marks), every).min() > 1.0
 
 
-def test_sheets_are_turned_about_their_longer_side_if_nothing_is_said(paths):
+def test_sheets_are_turned_about_their_longer_side_by_default(paths):
     width, height = paths.size_mm
     assert width > height
     assert Registration().axis_of((width, height)) is Axis.X
     assert Registration().axis_of((height, width)) is Axis.Y
     assert Registration(Axis.Y).axis_of((width, height)) is Axis.Y
-    for one, two in zip(
+    for default, wanted in zip(
         two_sided(paths, Registration(), MARGIN),
         two_sided(paths, REGISTRATION["x"], MARGIN),
         strict=True,
     ):
-        assert dxf_bytes(one) == dxf_bytes(two)
+        assert dxf_bytes(default) == dxf_bytes(wanted)
     assert "upper edge becomes the lower" in how_to_turn("a", Registration(), (width, height))
     assert "left edge becomes the right" in how_to_turn("a", Registration(), (height, width))
 

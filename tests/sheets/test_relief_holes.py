@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from fab.drawings.cut_paths import Operation
 from fab.sheets.crease_styles import ScoreStyle
-from fab.sheets.perforation import PerforationSettings, cut_layers
+from fab.sheets.perforation import cut_layers
+from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 
 
@@ -64,8 +65,8 @@ def test_holes_keep_their_distance_from_everything_else(seed, shape):
     holes = np.array([shapely.Polygon(ring) for ring in layers[Operation.RELIEF].outlines])
     assert len(holes) > 3
     assert {f.code for f in findings} <= {"relief-left-out", "crease-too-short"}
-    one, two = shapely.STRtree(holes).query(holes, predicate="dwithin", distance=web - 1e-6)
-    assert (one == two).all()
+    first, second = shapely.STRtree(holes).query(holes, predicate="dwithin", distance=web - 1e-6)
+    assert (first == second).all()
     walls = [shapely.LinearRing(ring) for ring in layers[Operation.CUT].outlines]
     walls += list(shapely.linestrings(layers[Operation.CUT].segments))
     assert shapely.distance(shapely.union_all(holes), shapely.union_all(walls)) >= web - 1e-9
@@ -91,7 +92,7 @@ def test_a_hole_larger_than_the_sheet_is_left_out():
     layers, findings = layers_of(fan(5, 10.0), ReliefSettings(web_mm=1.0, radius_mm=9.0))
     assert Operation.RELIEF not in layers
     assert [f.code for f in findings] == ["relief-left-out"]
-    assert "at vertices 0)" in findings[0].text
+    assert "at vertex 0)" in findings[0].text
     assert len(findings[0].creases) == 5
 
 

@@ -32,12 +32,14 @@ from fab.geometry.rings import ring_areas
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
 from fab.outputs import left_over
+from fab.pattern.crease_pattern import scaled
 from fab.sheets.labels import number_text
 from fab.sheets.materials import load_machine, load_material, perforation_for
 from fab.sheets.perforation import cut_layers
 from fab.sheets.pieces import split
 from fab.sheets.registration import Registration
-from fab.sheets.sheet_files import fabricate, scaled, sheet_names
+from fab.sheets.sheet_files import fabricate, sheet_names
+from fab.sheets.sheet_request import SheetRequest
 from solver import InvalidValue
 
 NAMES = sorted(path.stem for path in PATTERNS.glob("*.fold"))
@@ -45,29 +47,27 @@ MATERIALS = ["copy_paper_80gsm", "pet_film_0.19mm", "plywood_3mm"]
 MACHINE = "co2_60w_600x400"
 
 
+def requested(material="card_300gsm", machine=MACHINE, **choices):
+    return SheetRequest(load_material(material), load_machine(machine), **choices)
+
+
 def sheets_of(name, material, width_mm=400.0, **choices):
     pattern, findings = read_pattern(PATTERNS / f"{name}.fold")
-    return pattern, fabricate(
-        scaled(pattern, width_mm=width_mm),
-        name,
-        load_material(material),
-        load_machine(MACHINE),
-        findings=findings,
-        **choices,
-    )
+    request = requested(material, **choices)
+    return pattern, fabricate(scaled(pattern, width_mm=width_mm), name, request, findings=findings)
 
 
 def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
     """What is made, and the pieces that it is made of."""
     kept = []
 
-    def kept_split(*given_):
-        kept.append(split(*given_))
+    def kept_split(*arguments):
+        kept.append(split(*arguments))
         return kept[-1]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("fab.sheets.sheet_files.split", kept_split)
-        made = fabricate(pattern, name, load_material(material), machine, **choices)
+        made = fabricate(pattern, name, SheetRequest(load_material(material), machine, **choices))
     return kept[0][0], made
 
 
@@ -151,8 +151,8 @@ def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, c
         rings = [line for line in lines["CUT"] if line.is_ring]
         outlines = shapely.get_parts(shapely.build_area(shapely.union_all(rings)))
         assert len(outlines) == len(sheet["pieces"])
-        one, two = shapely.STRtree(outlines).query(outlines, "dwithin", distance=1.9)
-        assert (one == two).all()
+        first, second = shapely.STRtree(outlines).query(outlines, "dwithin", distance=1.9)
+        assert (first == second).all()
         cores = shapely.buffer(outlines, -machine.kerf_mm / 2, join_style="mitre", mitre_limit=9)
         kept += float(shapely.area(cores).sum())
     whole = sum(
@@ -171,15 +171,17 @@ def test_every_material_suits_every_machine():
 
 
 def test_copies_lie_on_as_many_sheets_as_they_need_and_apart():
-    _, one = sheets_of("square_twist", "card_300gsm", 180.0, formats=[SheetFormat.DXF])
-    _, four = sheets_of("square_twist", "card_300gsm", 180.0, copies=4, formats=[SheetFormat.DXF])
-    assert [sheet["pieces"] for sheet in one.report["sheets"]] == [["A"]]
-    assert sum(len(sheet["pieces"]) for sheet in four.report["sheets"]) == 4
-    alone = drawn(one.files["square_twist_1.dxf"])["CUT"]
+    _, single = sheets_of("square_twist", "card_300gsm", 180.0, formats=[SheetFormat.DXF])
+    _, several = sheets_of(
+        "square_twist", "card_300gsm", 180.0, copies=4, formats=[SheetFormat.DXF]
+    )
+    assert [sheet["pieces"] for sheet in single.report["sheets"]] == [["A"]]
+    assert sum(len(sheet["pieces"]) for sheet in several.report["sheets"]) == 4
+    alone = drawn(single.files["square_twist_1.dxf"])["CUT"]
     (frame,) = (line for line in alone if line.is_ring)
     area = shapely.Polygon(frame).area
-    for sheet in four.report["sheets"]:
-        rings = [line for line in drawn(four.files[sheet["files"][0]])["CUT"] if line.is_ring]
+    for sheet in several.report["sheets"]:
+        rings = [line for line in drawn(several.files[sheet["files"][0]])["CUT"] if line.is_ring]
         pieces = [shapely.Polygon(ring) for ring in rings]
         assert shapely.union_all(pieces).area == pytest.approx(len(pieces) * area)
         assert all(a.distance(b) >= 2.0 for a in pieces for b in pieces if a is not b)
@@ -188,13 +190,7 @@ def test_copies_lie_on_as_many_sheets_as_they_need_and_apart():
 def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     (tmp_path / "cones.fold").write_bytes(made_template("nested_cones").files["nested_cones.fold"])
     pattern, _ = read_pattern(tmp_path / "cones.fold")
-    made = fabricate(
-        pattern,
-        "cones",
-        load_material("card_300gsm"),
-        load_machine(MACHINE),
-        formats=[SheetFormat.SVG],
-    )
+    made = fabricate(pattern, "cones", requested(formats=[SheetFormat.SVG]))
     assert made.within_tolerance, made.findings
     names = [piece["name"] for piece in made.report["pieces"]]
     assert len(names) > 1
@@ -204,9 +200,7 @@ def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
     assert {name for row in rows for name in row["pieces"]} == set(names)
     # the rings were cut open to lie flat: their seam closes by glue too
     assert pattern.folded_coords is not None
-    whole = fabricate(
-        pattern, "cones", load_material("card_300gsm"), load_machine("co2_100w_1300x900")
-    )
+    whole = fabricate(pattern, "cones", requested(machine="co2_100w_1300x900"))
     assert [piece["name"] for piece in whole.report["pieces"]] == ["A"]
     assert len(whole.report["glue_up"]) == 18
     assert all(row["pieces"] == ["A", "A"] for row in whole.report["glue_up"])
@@ -224,14 +218,8 @@ def test_a_sheet_that_turns_over_itself_goes_from_its_file_to_sheets(tmp_path, t
     strip = turned_strip(int(14 * turns), turns, rows, seed=int(10 * turns))
     (tmp_path / "turned.fold").write_bytes(fold_bytes(strip, "turned"))
     pattern, findings = read_pattern(tmp_path / "turned.fold")
-    made = fabricate(
-        pattern,
-        "turned",
-        load_material("card_300gsm"),
-        load_machine("knife_a3_roll"),
-        formats=[SheetFormat.DXF],
-        findings=findings,
-    )
+    request = requested(machine="knife_a3_roll", formats=[SheetFormat.DXF])
+    made = fabricate(pattern, "turned", request, findings=findings)
     assert made.within_tolerance, made.findings
     assert {"sheet-overlaps", "sheet-split"} <= {f["code"] for f in made.report["findings"]}
     assert sum(piece["faces"] for piece in made.report["pieces"]) == pattern.face_count
@@ -269,38 +257,32 @@ def test_two_pieces_drawn_over_each_other_are_two_pieces(tmp_path):
     }
     (tmp_path / "two.fold").write_text(json.dumps(document))
     pattern, _ = read_pattern(tmp_path / "two.fold")
-    made = fabricate(pattern, "two", load_material("card_300gsm"), load_machine(MACHINE))
+    made = fabricate(pattern, "two", requested())
     assert [piece["faces"] for piece in made.report["pieces"]] == [1, 1]
     assert made.report["glue_up"] == []
     (sheet,) = made.report["sheets"]
     assert len(sheet["pieces"]) == 2
 
 
-def test_a_ribbon_too_fine_for_the_beam_is_read_and_told_what_helps(tmp_path):
+def test_a_ribbon_too_fine_for_the_beam_is_read_with_a_cure_in_its_findings(tmp_path):
     job = load_job(TEMPLATES / "brownian_ribbon_1000.toml")
     (tmp_path / "ribbon.fold").write_bytes(make(job, [Format.FOLD]).files[f"{job.name}.fold"])
     pattern, findings = read_pattern(tmp_path / "ribbon.fold")
     assert findings == ()
     assert pattern.face_count == 1000
     with np.errstate(all="ignore"):
-        made = fabricate(
-            pattern,
-            "ribbon",
-            load_material("card_300gsm"),
-            load_machine(MACHINE),
-            formats=[SheetFormat.SVG],
-        )
+        made = fabricate(pattern, "ribbon", requested(formats=[SheetFormat.SVG]))
     assert not made.within_tolerance
-    told = {finding.code: finding.text for finding in made.findings}
+    texts = {finding.code: finding.text for finding in made.findings}
     assert (
         "1000 of 1000 faces are not wider than the kerf (0.15 mm)"
-        in told["face-narrower-than-kerf"]
+        in texts["face-narrower-than-kerf"]
     )
     for code in ("face-narrower-than-kerf", "crease-too-short"):
-        assert "times as large" in told[code]
+        assert "times as large" in texts[code]
 
 
-def test_creases_of_all_pieces_are_told_of_once_with_the_factor_that_helps_all():
+def test_creases_of_all_pieces_have_one_finding_with_the_factor_that_helps_all():
     """A ladder of rungs, of which three in different pieces are too short."""
     height = np.full(100, 20.0)
     height[[10, 50, 90]] = 0.9, 0.5, 0.7
@@ -330,7 +312,7 @@ def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
         pattern, "ring", machine.model_copy(update={"bed_mm": bed}), formats=[SheetFormat.SVG]
     )
     (piece,) = pieces.pieces
-    # of the folded form: edges of one face each that lie on each other
+    # of the folded form: edges of a single face that coincide
     border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
     middle = pattern.folded_coords[pattern.edges_vertices[border]].mean(axis=1)
     meeting = border[cKDTree(middle).query(middle, k=2)[0][:, 1] < 1e-5]
@@ -364,13 +346,8 @@ def test_threads_of_pieces_are_placed_or_refused(tmp_path):
     (tmp_path / "ribbon.fold").write_bytes(ribbon)
     pattern, _ = read_pattern(tmp_path / "ribbon.fold")
     with np.errstate(all="ignore"):
-        made = fabricate(
-            scaled(pattern, width_mm=15000.0),
-            "ribbon",
-            load_material("copy_paper_80gsm"),
-            load_machine("co2_100w_1300x900"),
-            formats=[SheetFormat.SVG],
-        )
+        request = requested("copy_paper_80gsm", "co2_100w_1300x900", formats=[SheetFormat.SVG])
+        made = fabricate(scaled(pattern, width_mm=15000.0), "ribbon", request)
     assert sum(piece["faces"] for piece in made.report["pieces"]) == 400
     assert len(made.report["glue_up"]) >= len(made.report["pieces"]) - 1
 
@@ -383,7 +360,7 @@ def test_the_same_pattern_gives_the_same_bytes():
 
 def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
     formats = [SheetFormat.DXF]
-    _, one = sheets_of("yoshimura", "card_300gsm", 300.0, copies=3, formats=formats)
+    _, single = sheets_of("yoshimura", "card_300gsm", 300.0, copies=3, formats=formats)
     _, made = sheets_of(
         "yoshimura",
         "card_300gsm",
@@ -398,7 +375,7 @@ def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
     assert scored.mountain.kind == scored.valley.kind == "score"
     sheets = made.report["sheets"]
     assert sum(len(sheet["pieces"]) for sheet in sheets) == 3
-    assert len(sheets) >= len(one.report["sheets"])
+    assert len(sheets) >= len(single.report["sheets"])
     for number, sheet in enumerate(sheets):
         names = [f"yoshimura_{number + 1}_{side}.dxf" for side in ("front", "back")]
         assert sheet["files"] == names
@@ -442,9 +419,9 @@ def test_a_bed_without_room_for_registration_is_refused():
     machine = load_machine(MACHINE).model_copy(update={"bed_mm": (45.0, 45.0)})
     pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
     small = scaled(pattern, width_mm=5.0)
-    material = load_material("copy_paper_80gsm")
+    request = SheetRequest(load_material("copy_paper_80gsm"), machine, registration=Registration())
     with pytest.raises(InvalidValue, match="at least 60 mm"):
-        fabricate(small, "small", material, machine, registration=Registration())
+        fabricate(small, "small", request)
 
 
 _RIBBON = """
@@ -454,21 +431,21 @@ from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_files import fabricate
-made = fabricate(
-    scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon",
-    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"),
-    formats=[SheetFormat.SVG],
+from fab.sheets.sheet_request import SheetRequest
+request = SheetRequest(
+    load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"), formats=[SheetFormat.SVG]
 )
+made = fabricate(scaled(read_pattern(sys.argv[1])[0], width_mm=15000.0), "ribbon", request)
 for name, data in sorted(made.files.items()):
     print(name, hashlib.sha256(data).hexdigest())
 """
 
 
 def test_threads_of_pieces_are_placed_alike_in_every_process(tmp_path):
-    """Where hulls stand for needles, and whatever order sets and dicts of strings have."""
+    """Where hulls replace needles, and whatever order sets and dicts of strings have."""
     made = make(load_job(TEMPLATES / "brownian_ribbon_400.toml"), [Format.FOLD])
     (tmp_path / "ribbon.fold").write_bytes(made.files["brownian_ribbon_400.fold"])
-    told = [
+    printed = [
         subprocess.run(
             [sys.executable, "-W", "ignore", "-c", _RIBBON, str(tmp_path / "ribbon.fold")],
             env={**os.environ, "PYTHONHASHSEED": seed},
@@ -477,8 +454,27 @@ def test_threads_of_pieces_are_placed_alike_in_every_process(tmp_path):
         ).stdout
         for seed in ("1", "77")
     ]
-    assert told[0] == told[1]
-    assert len(told[0].splitlines()) > 2
+    assert printed[0] == printed[1]
+    assert len(printed[0].splitlines()) > 2
+
+
+def test_a_request_gives_its_margins_and_speeds():
+    machine, material = load_machine(MACHINE), load_material("plywood_3mm")
+    plain, registered = (
+        SheetRequest(material, machine, registration=registration)
+        for registration in (None, Registration(hole_mm=4.0, clearance_mm=3.0))
+    )
+    assert plain.margin_mm == plain.split.margin_mm == machine.margin_mm
+    assert registered.margin_mm == machine.margin_mm + 4.0 + 2 * 3.0
+    assert plain.perforation == material.perforation
+    assert registered.perforation.mountain.kind == "score"
+    assert plain.speeds.cut_mm_s == machine.speeds.cut_mm_s * material.cut_speed_ratio
+    assert plain.speeds.travel_mm_s == machine.speeds.travel_mm_s
+    wide = SheetRequest(material, machine.model_copy(update={"kerf_mm": 1.0}))
+    assert (plain.gap_mm, wide.gap_mm) == (2.0, 4.0)
+    for copies in (0, -1, 1.5):
+        with pytest.raises(InvalidValue, match="copies"):
+            SheetRequest(material, machine, copies)
 
 
 def test_sizes_are_asked_for_once():
@@ -501,7 +497,7 @@ def test_a_face_larger_than_the_bed_is_refused():
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
+def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -513,68 +509,68 @@ def run(*words):
 CARD = ("--material", "card_300gsm", "--machine", "co2_40w_300x200")
 
 
-def test_a_fold_file_becomes_sheets(here):
+def test_a_fold_file_becomes_sheets(folder):
     words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--out", "out")
     dry = run(*words, "--dry-run")
     assert dry.exit_code == 0, dry.output
-    assert not (here / "out").exists()
+    assert not (folder / "out").exists()
     result = run(*words, "--only", "svg,pdf")
     assert result.exit_code == 0, result.output
-    names = sorted(path.name for path in (here / "out").iterdir())
+    names = sorted(path.name for path in (folder / "out").iterdir())
     assert names == ["yoshimura_1.pdf", "yoshimura_1.svg", "yoshimura_report.json"]
-    report = json.loads((here / "out" / "yoshimura_report.json").read_text())
+    report = json.loads((folder / "out" / "yoshimura_report.json").read_text())
     assert report["sheets"][0]["minutes"] > 0
     assert all(f["severity"] != Severity.ERROR for f in report["findings"])
-    assert "1 pieces, 0 seams, 1 sheets of 300 x 200 mm" in result.output
+    assert "1 piece, 0 seams, 1 sheet of 300 x 200 mm" in result.output
 
 
-def test_both_sides_are_written_in_every_format(here):
+def test_both_sides_are_written_in_every_format(folder):
     words = ("fabricate", PATTERNS / "square_twist.fold", *CARD, "--width-mm", 120, "--two-sided")
     result = run(*words, "--out", "out")
     assert result.exit_code == 0, result.output
     kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
-    written = sorted(path.name for path in (here / "out").iterdir())
+    written = sorted(path.name for path in (folder / "out").iterdir())
     assert written == sorted([*kinds, "square_twist_report.json"])
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
     again = run(*words[:-1], "--out", "out", "--only", "dxf")
     assert "note: out/square_twist_1_back.dxf and 5 more of this name are from" in again.output
-    assert (here / "out" / "square_twist_1_back.dxf").exists()
+    assert (folder / "out" / "square_twist_1_back.dxf").exists()
 
 
-def test_sheets_of_an_earlier_run_are_named(here):
+def test_sheets_of_an_earlier_run_are_named(folder):
     words = ("fabricate", PATTERNS / "yoshimura.fold", *CARD, "--width-mm", 150, "--only", "svg")
     assert "earlier run" not in run(*words, "--copies", 12).output
     others = ["yoshimura_1_2.svg", "yoshimura_2.png", "yoshimura.svg", "my_yoshimura_2.svg"]
     others += ["yoshimura_2.svg.old", "yoshimura_2_back.txt"]
     for name in others:
-        (here / name).touch()
-    sheets = [path.name for path in here.glob("yoshimura_?.svg")]
+        (folder / name).touch()
+    sheets = [path.name for path in folder.glob("yoshimura_?.svg")]
     assert len(sheets) > 1
     result = run(*words)
     assert f"note: yoshimura_2.svg{' and' if len(sheets) > 2 else ' is from'}" in result.output
-    left = left_over(["yoshimura_1.svg"], sheet_names("yoshimura"), here)
+    left = left_over(["yoshimura_1.svg"], sheet_names("yoshimura"), folder)
     assert [path.name for path in left] == sorted(set(sheets) - {"yoshimura_1.svg"})
-    assert left_over([], sheet_names("yoshimura"), here / "missing") == []
+    assert left_over([], sheet_names("yoshimura"), folder / "missing") == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
-def test_file_names_of_any_bytes_become_names_that_can_be_read(here):
+def test_file_names_of_any_bytes_become_names_that_can_be_read(folder):
     file = os.fsdecode(b'a\x1b[31m\n<b>&"\xff.fold')
     Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
     result = run("fabricate", file, *CARD, "--width-mm", 120, "--out", "out")
     assert result.exit_code == 0, result.output
-    names = sorted(path.name for path in (here / "out").iterdir())
+    names = sorted(path.name for path in (folder / "out").iterdir())
     plain = 'a_[31m_<b>&"_'
     assert names == sorted([f"{plain}_report.json", *(f"{plain}_1.{kind}" for kind in SheetFormat)])
     plain += "_1"
-    root = ElementTree.fromstring((here / "out" / f"{plain}.svg").read_bytes())
+    root = ElementTree.fromstring((folder / "out" / f"{plain}.svg").read_bytes())
     assert root[0].text == plain
-    assert drawn((here / "out" / f"{plain}.dxf").read_bytes())
-    assert PdfReader(here / "out" / f"{plain}.pdf").metadata.title == plain
+    assert drawn((folder / "out" / f"{plain}.dxf").read_bytes())
+    assert PdfReader(folder / "out" / f"{plain}.pdf").metadata.title == plain
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
-def test_a_name_too_long_for_its_sheets_is_told_with_its_cure(here):
+def test_a_name_too_long_for_its_sheets_is_refused_with_its_cure(folder):
     file = 245 * "a" + ".fold"
     Path(file).write_bytes((PATTERNS / "square_twist.fold").read_bytes())
     words = ("fabricate", file, *CARD, "--width-mm", 120, "--out")
@@ -582,13 +578,13 @@ def test_a_name_too_long_for_its_sheets_is_told_with_its_cure(here):
     assert result.exit_code == 2, result.output
     assert "File name too long" in result.output
     assert "Give the file that they are made from, or --out, a shorter name" in result.output
-    assert [path.name for path in here.iterdir()] == [file]
+    assert [path.name for path in folder.iterdir()] == [file]
     result = run(*words, 300 * "b")
     assert result.exit_code == 2, result.output
     assert "or --out, a shorter name" in result.output
 
 
-def test_sheets_lie_beside_the_files_of_their_job(here):
+def test_sheets_are_beside_the_files_of_their_job(folder):
     Path("out").mkdir()
     Path("out/report.json").write_text("of the job")
     Path("out/bird_base.fold").write_bytes((PATTERNS / "bird_base.fold").read_bytes())
@@ -600,16 +596,16 @@ def test_sheets_lie_beside_the_files_of_their_job(here):
     assert before == {name: after[name] for name in before}
 
 
-def test_the_name_of_a_test_card_is_whole(here):
+def test_the_name_of_a_test_card_is_whole(folder):
     words = ("--material", "polypropylene_0.5mm", "--machine", "co2_40w_300x200", "--only", "svg")
     assert run("coupon", *words).exit_code == 0
-    assert [p.name for p in here.iterdir()] == ["coupon_polypropylene_0.5mm_co2_40w_300x200.svg"]
+    assert [p.name for p in folder.iterdir()] == ["coupon_polypropylene_0.5mm_co2_40w_300x200.svg"]
 
 
-def test_a_test_card_is_written(here):
+def test_a_test_card_is_written(folder):
     result = run("coupon", *CARD, "--out", "card", "--only", "dxf")
     assert result.exit_code == 0, result.output
-    lines = drawn((here / "card" / "coupon_card_300gsm_co2_40w_300x200.dxf").read_bytes())
+    lines = drawn((folder / "card" / "coupon_card_300gsm_co2_40w_300x200.dxf").read_bytes())
     assert {"ENGRAVE", "MOUNTAIN", "VALLEY", "CUT"} <= set(lines)
 
 
@@ -626,11 +622,11 @@ def test_a_test_card_is_written(here):
         ((*CARD, "--width-mm", "1e9"), "face"),
     ],
 )
-def test_bad_requests_write_nothing(here, words, text):
+def test_bad_requests_write_nothing(folder, words, text):
     result = run("fabricate", PATTERNS / "bird_base.fold", *words, "--out", "out")
     assert result.exit_code == 2, result.output
     assert text in result.output
-    assert not (here / "out").exists()
+    assert not (folder / "out").exists()
 
 
 def test_shipped_materials_and_machines_are_listed():

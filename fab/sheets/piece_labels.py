@@ -1,0 +1,97 @@
+"""Labels of a piece: its name where there is most room, and a number beside each of its seams."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from fab.geometry.boxes import smallest_box
+from fab.pattern.crease_pattern import CreasePattern
+from fab.sheets.labels import Label, LabelPlaces, fitted, highest, number_text
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["READABLE_MM", "SeamNumbers", "piece_labels"]
+
+# Smaller letters cannot be read.
+READABLE_MM = 1.0
+# Up to this many of the largest faces are tried for the name of a piece.
+_MOST_TRIED = 24
+# Height of the name, in heights of the numbers.
+_NAME_HEIGHT = 2.0
+
+
+@dataclass(frozen=True)
+class SeamNumbers:
+    """Numbers that are to be engraved beside lines.
+
+    Attributes
+    ----------
+    numbers : shape (n,).
+    faces : the face that each is engraved on, shape (n,).
+    lines : the line that it is read along, with its face to the left, mm, shape (n, 2, 2).
+    """
+
+    numbers: IntArray
+    faces: IntArray
+    lines: FloatArray
+
+
+def piece_labels(
+    pattern: CreasePattern, name: str, face_count: int, seams: SeamNumbers, label_mm: float
+) -> tuple[Label | None, ...]:
+    """The label of a piece's name, and one for each seam's number; None where there is no room.
+
+    No label crosses a crease, and none is lower than `READABLE_MM`.
+
+    Parameters
+    ----------
+    pattern : the piece.
+    face_count : its first faces, on which the name may be; those after them are tabs.
+    label_mm : greatest height of the numbers; the name may be twice as high.
+    """
+    rooms = [
+        shapely.polygons(pattern.vertices_coords[pattern.faces_vertices[i:j]])
+        for i, j in zip(pattern.faces_offsets[:-1], pattern.faces_offsets[1:], strict=True)
+    ]
+    widest, middle, slant = _place_for(name, rooms[:face_count], seams.faces)
+    direction = seams.lines[:, 1] - seams.lines[:, 0]
+    height = np.full(1 + len(seams.numbers), label_mm)
+    height[0] *= _NAME_HEIGHT
+    hang = np.ones(len(height))
+    hang[0] = 0.0
+    places = LabelPlaces(
+        [name, *(number_text(number) for number in seams.numbers.tolist())],
+        np.concatenate([middle[None], seams.lines.mean(axis=1)]),
+        np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])]),
+        [rooms[face] for face in [widest, *seams.faces.tolist()]],
+        height,
+        hang,
+    )
+    return fitted(places, READABLE_MM)
+
+
+def _place_for(
+    text: str, rooms: list[shapely.Polygon], beside_seams: IntArray
+) -> tuple[int, FloatArray, float]:
+    """The face on which a text may be highest, the text's middle, and its slant in radians.
+
+    Faces without seams are preferred, unless letters on them are less than half as high.
+    """
+    shapes = np.asarray(rooms)
+    large = np.argsort(-shapely.area(shapes), kind="stable")[:_MOST_TRIED]
+    near = 0.1 * shapely.area(shapes[large]) / shapely.length(shapes[large])
+    disks = shapely.maximum_inscribed_circle(shapes[large], tolerance=near)
+    middles = shapely.get_coordinates(disks)[::2]
+    best = (0.0, int(large[0]), middles[0], 0.0)
+    for face, middle in zip(large.tolist(), middles, strict=True):
+        sides = np.diff(smallest_box(shapes[face]), axis=0)
+        along = sides[np.argmax(np.hypot(*sides.T))]
+        for slant in (0.0, float(np.arctan(along[1] / along[0])) if along[0] else np.pi / 2):
+            height = highest(text, middle, slant, shapes[face])
+            if face in beside_seams:
+                height /= 2
+            if height > best[0] * (1 + 1e-9):
+                best = (height, face, middle, slant)
+    return best[1:]

@@ -1,0 +1,203 @@
+"""Patterns of pieces: a set of faces with its tabs, laid upright, and what is engraved on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fab.layout.assembly_order import piece_name
+from fab.layout.face_sets import Sheet, extent, upright
+from fab.pattern.crease_pattern import CreasePattern, face_normals
+from fab.sheets.glue_tabs import Tabs
+from fab.sheets.labels import Label, number_text
+from fab.sheets.piece_labels import SeamNumbers, piece_labels
+from fab.sheets.seams import SeamSides, places_of
+from solver.graphs import EdgeIndex
+from solver.mesh import Edges, edges_of
+from solver.vectors import FloatArray, IntArray, cross, unit
+
+__all__ = ["Division", "Piece"]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of the sheet with its tabs, its best box upright at the origin.
+
+    Attributes
+    ----------
+    name : "A", "B", ... "Z", "AA", ...
+    pattern : the piece as a pattern of its own. Its faces are faces of the whole pattern, rising,
+        and after them the tabs; the crease of a tab is folded as its seam is.
+    faces, edges : numbers in the whole pattern, -1 for tabs and their sides.
+    labels : text to be engraved: the piece's name, then those of its seams. None crosses a crease.
+    unwritten : the texts for which there is no room.
+    """
+
+    name: str
+    pattern: CreasePattern
+    faces: IntArray
+    edges: IntArray
+    labels: tuple[Label, ...]
+    unwritten: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Division:
+    """A sheet, and how its pieces are joined again.
+
+    Attributes
+    ----------
+    sheet : the whole pattern, and the room that each piece must fit.
+    sides : the seams between pieces, whose numbers rise in the order of assembling.
+    tabs : of the seams.
+    label_mm : greatest height of numbers.
+    """
+
+    sheet: Sheet
+    sides: SeamSides
+    tabs: Tabs
+    label_mm: float
+
+    def piece(self, number: int, faces: IntArray) -> Piece:
+        """The pattern of a set of faces and its tabs, laid upright, and what is engraved on it."""
+        whole, sides = self.sheet.pattern, self.sides
+        every = np.arange(len(sides))
+        tabs = np.flatnonzero(
+            (self.tabs.side >= 0) & (sides.pieces[every, self.tabs.side] == number)
+        )
+        foot = sides.vertices[tabs, self.tabs.side[tabs]]
+        used, corners, offsets = _faces_and_tabs(whole, faces, foot)
+        tops = self.tabs.tops[tabs]
+        coords = np.concatenate([whole.vertices_coords[used], tops.reshape(-1, 2)])
+        coords = self._laid_upright(coords, faces)
+        edges = edges_of(corners, offsets)
+        whole_edges = _edges_in_whole(whole, faces, used, edges, len(coords))
+        tab_edges = places_of(sides.edges[tabs, self.tabs.side[tabs]], whole_edges)
+        angle, letter = _folds(whole, whole_edges, edges, len(faces))
+        angle[tab_edges] = sides.foldAngle[tabs]
+        letter[tab_edges] = np.where(
+            angle[tab_edges] > 0, "V", np.where(angle[tab_edges] < 0, "M", "F")
+        )
+        folded = whole.folded_coords
+        if folded is not None:
+            folded = np.concatenate([folded[used], self._folded_tops(folded, tabs)])
+        pattern = CreasePattern(
+            coords, edges.edges_vertices, edges.edges_faces, letter, angle, corners, offsets, folded
+        )
+        name = piece_name(number)
+        texts, labels = self._labels(pattern, number, len(faces), whole_edges, tabs)
+        return Piece(
+            name,
+            pattern,
+            np.concatenate([faces, np.full(len(tabs), -1)]),
+            whole_edges,
+            tuple(label for label in labels if label is not None),
+            tuple(
+                text
+                for text, label in zip(texts, labels[: len(texts)], strict=True)
+                if label is None
+            ),
+        )
+
+    def _laid_upright(self, coords: FloatArray, faces: IntArray) -> FloatArray:
+        """Points of a piece turned so that they fit the bed, their box at the origin."""
+        turn, fits = upright(coords, self.sheet.room_mm)
+        if not fits:  # the turn that the partition found, with room for all tabs
+            turn, _ = upright(extent(self.sheet, faces), self.sheet.room_mm)
+        coords = coords @ turn.T
+        out: FloatArray = coords - coords.min(axis=0)
+        return out
+
+    def _folded_tops(self, folded: FloatArray, tabs: IntArray) -> FloatArray:
+        """Folded corners of tabs, each in the plane of the face it is glued to, shape (2 n, 3)."""
+        whole, sides = self.sheet.pattern, self.sides
+        side = self.tabs.side[tabs]
+        ends = sides.vertices[tabs, side]
+        flat_a, flat_b = whole.vertices_coords[ends].swapaxes(0, 1)
+        a, b = folded[ends].swapaxes(0, 1)
+        normals = face_normals(folded, whole.faces_vertices, whole.faces_offsets)
+        normal = normals[sides.faces[tabs, 1 - side]]
+        span = flat_b - flat_a
+        u = span / np.hypot(*span.T)[:, None]
+        arm = self.tabs.tops[tabs] - flat_a[:, None]
+        along = (arm * u[:, None]).sum(axis=2)
+        out = (arm * np.column_stack([u[:, 1], -u[:, 0]])[:, None]).sum(axis=2)
+        x = unit(b - a)
+        y = cross(x, normal)  # away from the piece, in the other face
+        points = a[:, None] + along[..., None] * x[:, None] + out[..., None] * y[:, None]
+        flat: FloatArray = points.reshape(-1, 3)
+        return flat
+
+    def _labels(
+        self,
+        pattern: CreasePattern,
+        number: int,
+        face_count: int,
+        whole_edges: IntArray,
+        tabs: IntArray,
+    ) -> tuple[list[str], tuple[Label | None, ...]]:
+        """Texts of a piece's name and of all its seams, and their labels; then those on its tabs.
+
+        Each number is beside its edge; on a tab it is below the seam.
+        """
+        seam, side = np.nonzero(self.sides.pieces == number)
+        edges = places_of(self.sides.edges[seam, side], whole_edges)
+        tab_edges = places_of(self.sides.edges[tabs, self.tabs.side[tabs]], whole_edges)
+        ends = pattern.vertices_coords[pattern.edges_vertices[edges]]
+        tab_ends = pattern.vertices_coords[pattern.edges_vertices[tab_edges]][:, ::-1]
+        seams = SeamNumbers(
+            np.concatenate([seam, tabs]) + 1,
+            np.concatenate([pattern.edges_faces[edges, 0], face_count + np.arange(len(tabs))]),
+            np.concatenate([ends, tab_ends]),
+        )
+        name = piece_name(number)
+        texts = [name, *(number_text(s + 1) for s in seam.tolist())]
+        return texts, piece_labels(pattern, name, face_count, seams, self.label_mm)
+
+
+def _faces_and_tabs(
+    whole: CreasePattern, faces: IntArray, foot: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """The vertices of some faces, rising, and the polygons of the faces and of their tabs.
+
+    foot : ends of the edges that carry tabs, shape (n, 2). The outer corners of tab i get the
+    numbers k + 2 i and k + 2 i + 1 after the k vertices.
+    """
+    sizes = np.diff(whole.faces_offsets)
+    chosen = np.zeros(whole.face_count, bool)
+    chosen[faces] = True
+    used, corners = np.unique(whole.faces_vertices[np.repeat(chosen, sizes)], return_inverse=True)
+    a, b = np.searchsorted(used, foot).reshape(-1, 2).T
+    p = len(used) + 2 * np.arange(len(foot))
+    corners = np.concatenate([corners, np.column_stack([b, a, p, p + 1]).ravel()])
+    offsets = np.cumsum(np.concatenate([[0], sizes[faces], np.full(len(foot), 4)]))
+    return used, corners, offsets
+
+
+def _edges_in_whole(
+    whole: CreasePattern, faces: IntArray, used: IntArray, edges: Edges, vertex_count: int
+) -> IntArray:
+    """Numbers in the whole pattern of a piece's edges, -1 for the sides of tabs.
+
+    used : number in the whole pattern of each of the piece's first vertices, of `vertex_count`.
+    """
+    chosen = np.zeros(whole.face_count + 1, bool)  # the last one for edges without a second face
+    chosen[faces] = True
+    near = np.flatnonzero(chosen[whole.edges_faces].any(axis=1))
+    ends = np.searchsorted(used, whole.edges_vertices[near])
+    found = EdgeIndex.of(ends, vertex_count).find(edges.edges_vertices)
+    return np.where(found < 0, -1, near[found])
+
+
+def _folds(
+    whole: CreasePattern, whole_edges: IntArray, edges: Edges, face_count: int
+) -> tuple[FloatArray, NDArray[np.str_]]:
+    """Fold angles and assignments of a piece's edges, as in the whole pattern between its faces."""
+    letter = np.where(edges.edges_faces[:, 1] < 0, "B", "F")
+    angle = np.zeros(len(whole_edges))
+    inner = (edges.edges_faces[:, 1] >= 0) & (edges.edges_faces[:, 1] < face_count)
+    letter[inner] = whole.edges_assignment[whole_edges[inner]]
+    angle[inner] = whole.edges_foldAngle[whole_edges[inner]]
+    return angle, letter

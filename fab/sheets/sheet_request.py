@@ -1,0 +1,84 @@
+"""Request for sheets: what they are made of, which machine cuts them, how many, in which files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fab.drawings.drawing_files import SheetFormat
+from fab.sheets.materials import Machine, Material, Speeds, perforation_for
+from fab.sheets.perforation_settings import PerforationSettings
+from fab.sheets.pieces import SheetSplit
+from fab.sheets.registration import Registration
+from solver.errors import require_count
+
+__all__ = ["SheetRequest"]
+
+# Between two pieces on a sheet, in mm, and at least in kerfs.
+_GAP_MM = 2.0
+_GAP_KERFS = 4.0
+# Mitres of sharp corners may reach out from a piece by up to this many kerfs.
+_CORNER_KERFS = 5.0
+# Lower tabs hold no glue.
+_LEAST_TAB_MM = 1.0
+
+
+@dataclass(frozen=True)
+class SheetRequest:
+    """What is asked for, and what follows from it for pieces, creases and speeds.
+
+    Attributes
+    ----------
+    copies : of the pattern, 1 or more.
+    registration : where given, creases are scored on the side on which they open, and each sheet
+        has a front and a back (`fab.sheets.registration`); the stock is as large as the bed.
+    formats : of the drawings.
+
+    Raises `InvalidValue` for copies that are no such number.
+    """
+
+    material: Material
+    machine: Machine
+    copies: int = 1
+    registration: Registration | None = None
+    formats: Sequence[SheetFormat] = tuple(SheetFormat)
+
+    def __post_init__(self) -> None:
+        require_count("copies", self.copies, 1, "Ask for one copy or more.")
+
+    @property
+    def margin_mm(self) -> float:
+        """Kept free around the bed: the machine's margin, and the border for registration."""
+        border = self.registration.border_mm if self.registration is not None else 0.0
+        return self.machine.margin_mm + border
+
+    @property
+    def gap_mm(self) -> float:
+        """Kept free between two pieces on a sheet."""
+        return max(_GAP_MM, _GAP_KERFS * self.machine.kerf_mm)
+
+    @property
+    def split(self) -> SheetSplit:
+        """How the pattern is cut into pieces."""
+        return SheetSplit(
+            margin_mm=self.margin_mm,
+            mitre_mm=_CORNER_KERFS * self.machine.kerf_mm,
+            tab_mm=max(self.material.tab_mm, _LEAST_TAB_MM),
+        )
+
+    @property
+    def perforation(self) -> PerforationSettings:
+        """How creases are cut."""
+        scored = self.registration is not None
+        return perforation_for(self.machine, self.material, scored=scored)
+
+    @property
+    def speeds(self) -> Speeds:
+        """How fast the machine cuts the material."""
+        speeds, ratio = self.machine.speeds, self.material.cut_speed_ratio
+        return speeds.model_copy(
+            update={
+                "cut_mm_s": speeds.cut_mm_s * ratio,
+                "perforate_mm_s": speeds.perforate_mm_s * ratio,
+            }
+        )
