@@ -19,18 +19,30 @@ __all__ = ["colour_of", "letter_of", "parse_colours", "unlettered_finding"]
 
 # Words in the names of layers that say what their lines are, without accents and in lower case.
 _WORDS = {
-    "M": "mountain mountains mtn mountainfold mountainfolds montagne montagnes berg bergfalte "
-    "bergfalten bergfalz bergfalze monte monti montana montanas yama yamaori 山 山折り 山折り線 山折",
-    "V": "valley valleys vly valleyfold valleyfolds vallee vallees tal talfalte talfalten talfalz "
-    "talfalze valle valli valles tani taniori 谷 谷折り 谷折り線 谷折",
-    "B": "border borders boundary boundaries outline outlines contour contours perimeter bord bords "
-    "bordure rand umriss kontur bordo contorno borde 輪郭 輪郭線",
-    "C": "cut cuts cutting slit slits coupe decoupe decoupes schnitt schnitte schneiden taglio tagli "
-    "corte cortes 切り込み 切断",
-    "F": "facet facets flat auxiliary aux triangulation triangulations mark marks auxiliaire "
-    "hilfslinie hilfslinien ausiliaria ausiliarie auxiliar auxiliares 補助線",
-    "U": "unassigned undriven hinge hinges score scores scoring engrave engraves engraved engraving "
-    "rainage gravure gravur rillen incisione grabado",
+    "M": """
+        mountain mountains mtn mountainfold mountainfolds montagne montagnes berg bergfalte
+        bergfalten bergfalz bergfalze monte monti montana montanas yama yamaori 山 山折 山折り 山折り線
+        """,
+    "V": """
+        valley valleys vly valleyfold valleyfolds vallee vallees tal talfalte talfalten talfalz
+        talfalze valle valli valles tani taniori 谷 谷折 谷折り 谷折り線
+        """,
+    "B": """
+        border borders boundary boundaries outline outlines contour contours perimeter bord bords
+        bordure rand umriss kontur bordo contorno borde 輪郭 輪郭線
+        """,
+    "C": """
+        cut cuts cutting slit slits coupe decoupe decoupes schnitt schnitte schneiden taglio tagli
+        corte cortes 切断 切り込み
+        """,
+    "F": """
+        facet facets flat auxiliary aux triangulation triangulations mark marks auxiliaire
+        hilfslinie hilfslinien ausiliaria ausiliarie auxiliar auxiliares 補助線
+        """,
+    "U": """
+        unassigned undriven hinge hinges score scores scoring engrave engraves engraved engraving
+        rainage gravure gravur rillen incisione grabado
+        """,
     "J": "join joins joined",
 }
 _LETTER_OF_WORD = {word: letter for letter, words in _WORDS.items() for word in words.split()}
@@ -38,8 +50,8 @@ _LETTER_OF_WORD = {word: letter for letter, words in _WORDS.items() for word in 
 _SHORT = {"m": "M", "v": "V"}
 # Words of lines that fold, of which a colour may say more.
 _FOLDS = frozenset(
-    "crease creases fold folds folding pli plis falte falten falz falze piega pieghe pliegue "
-    "pliegues ori".split()
+    ["crease", "creases", "fold", "folds", "folding", "pli", "plis", "falte", "falten", "falz"]
+    + ["falze", "piega", "pieghe", "pliegue", "pliegues", "ori"]
 )
 _MEANINGS = {
     **{letter.lower(): letter for letter in "BMVFUCJ"},
