@@ -21,7 +21,8 @@ __all__ = ["colour_of", "letter_of", "parse_colours", "unlettered_finding"]
 _WORDS = {
     "M": """
         mountain mountains mtn mountainfold mountainfolds montagne montagnes berg bergfalte
-        bergfalten bergfalz bergfalze monte monti montana montanas yama yamaori 山 山折 山折り 山折り線
+        bergfalten bergfalz bergfalze monte monti montana montanas yama yamaori
+        山 山折 山折り 山折り線
         """,
     "V": """
         valley valleys vly valleyfold valleyfolds vallee vallees tal talfalte talfalten talfalz
@@ -50,8 +51,10 @@ _LETTER_OF_WORD = {word: letter for letter, words in _WORDS.items() for word in 
 _SHORT = {"m": "M", "v": "V"}
 # Words of lines that fold, of which a colour may say more.
 _FOLDS = frozenset(
-    ["crease", "creases", "fold", "folds", "folding", "pli", "plis", "falte", "falten", "falz"]
-    + ["falze", "piega", "pieghe", "pliegue", "pliegues", "ori"]
+    {
+        *("crease", "creases", "fold", "folds", "folding", "pli", "plis", "falte", "falten"),
+        *("falz", "falze", "piega", "pieghe", "pliegue", "pliegues", "ori"),
+    }
 )
 _MEANINGS = {
     **{letter.lower(): letter for letter in "BMVFUCJ"},
@@ -67,6 +70,7 @@ _HUES = (
     ("U", 275.0, 332.0),
 )
 _LEAST_SATURATION = 0.4
+_AUXILIARY = "#64c8c8"
 # Lightness below which grey is black; brightness below which every colour is.
 _BLACK_BELOW = 0.25
 _LISTED = 6
@@ -111,8 +115,9 @@ def letter_of(colour: str | None, names: Sequence[str], colours: Mapping[str, st
     innermost name first: "Mountain folds", "valley_2" and "bergfalten" have one, "layer1" has none,
     and "cut or mountain" contradicts itself and is passed over. Then comes the colour: red is
     mountain (hue 340 to 20), blue valley (200 to 262), black border (or darker than a quarter),
-    green cut (80 to 155), yellow a facet crease (45 to 75) and magenta undriven (275 to 332); pale
-    and grey ones, and hues between these, say nothing. Last are names of creases of any kind
+    green cut (80 to 155), yellow a facet crease (45 to 75) and magenta undriven (275 to 332);
+    #64c8c8, in which Oriedita draws auxiliary lines, is a facet crease too. Pale and grey ones, and
+    hues between these, say nothing. Last are names of creases of any kind
     ("folds"): unassigned.
 
     >>> letter_of("red", [], {}), letter_of("red", ["CUT"], {}), letter_of("#808080", [], {})
@@ -240,6 +245,8 @@ def _key(name: str) -> str:
 
 @lru_cache(maxsize=4096)
 def _letter_of_hue(colour: str) -> str | None:
+    if colour == _AUXILIARY:
+        return "F"
     red, green, blue = (int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5))
     hue, saturation, value = colorsys.rgb_to_hsv(red, green, blue)
     if value < _BLACK_BELOW:
