@@ -31,7 +31,7 @@ _WIDEST_GAP = 1.6
 # row, over the gap.
 _TOUCH = 0.1
 _OFF_LINE = 0.1
-_CHUNK = 50_000
+_CHUNK = 200_000
 # Sine of the least angle at which lines meet in a vertex.
 _PARALLEL = 1e-3
 
@@ -125,16 +125,18 @@ def rows_of(soup: LineSoup, least: int) -> Rows:
 def _links(coords: FloatArray, letters: Letters, dashes: IntArray) -> tuple[IntArray, FloatArray]:
     """Ends (2 line + end) that face each other across a gap, shape (m, 2), and the gaps (m,)."""
     found, widths = [np.empty((0, 2), np.int64)], [np.empty(0)]
+    alone = _alone(coords)
     span = coords[:, 1] - coords[:, 0]
     length = np.hypot(span[:, 0], span[:, 1])
     for letter in np.unique(letters[dashes]).tolist():
         own = dashes[letters[dashes] == letter]
+        own = own[alone[own].any(axis=1)]
         if len(own) < 2:
             continue
         ends = coords[own].reshape(-1, 2)
         along = span[own] / length[own, None]
         outward = np.stack([-along, along], axis=1).reshape(-1, 2)
-        best, width = _facing(ends, outward)
+        best, width = _facing(ends, outward, alone[own].ravel())
         first = np.flatnonzero(best >= 0)
         mutual = first[(best[best[first]] == first) & (first < best[first])]
         pair = np.column_stack([mutual, best[mutual]])
@@ -143,22 +145,36 @@ def _links(coords: FloatArray, letters: Letters, dashes: IntArray) -> tuple[IntA
     return np.concatenate(found), np.concatenate(widths)
 
 
-def _facing(ends: FloatArray, outward: FloatArray) -> tuple[IntArray, FloatArray]:
-    """The nearest end that each end faces, -1 where there is none, and how far away it is.
+def _alone(coords: FloatArray) -> BoolArray:
+    """Which ends are no end of another line, shape (n, 2)."""
+    points = coords.reshape(-1, 2)
+    grid = np.rint((points - points.min(axis=0)) / max(float(np.ptp(points)), 1e-300) * 1e9)
+    _, place, count = np.unique(grid @ [1, 1j], return_inverse=True, return_counts=True)
+    return np.asarray(count[place.ravel()] == 1).reshape(-1, 2)
 
-    Few neighbours are looked at first, and more of the ends that face none of these: where many
-    creases meet at small angles, the next dash is far down the list.
+
+def _facing(
+    ends: FloatArray, outward: FloatArray, wanted: BoolArray
+) -> tuple[IntArray, FloatArray]:
+    """The nearest end that each wanted end faces, -1 where there is none, and how far away it is.
+
+    Few neighbours are looked at first, and then more of the ends that face none of these, up to
+    the gaps found: where many creases meet at small angles, the next dash is far down the list.
     """
     from scipy.spatial import KDTree
 
     tree = KDTree(ends)
     best = np.full(len(ends), -1)
     width = np.full(len(ends), np.inf)
+    farthest = np.inf
     for count in _NEIGHBOURS:
-        lacking = np.flatnonzero(best < 0)
-        for start in range(0, len(lacking), _CHUNK):
-            own = lacking[start : start + _CHUNK]
-            distance, other = tree.query(ends[own], k=min(count, len(ends)))
+        lacking = np.flatnonzero((best < 0) & wanted)
+        chunk = _CHUNK // count
+        for start in range(0, len(lacking), chunk):
+            own = lacking[start : start + chunk]
+            distance, other = tree.query(
+                ends[own], k=min(count, len(ends)), distance_upper_bound=farthest
+            )
             other = np.minimum(other, len(ends) - 1)
             step = ends[other] - ends[own, None]
             u, v = outward[own, None], outward[other]
@@ -172,6 +188,8 @@ def _facing(ends: FloatArray, outward: FloatArray) -> tuple[IntArray, FloatArray
             place = np.arange(len(own))
             width[own] = distance[place, nearest]
             best[own] = np.where(np.isfinite(width[own]), other[place, nearest], -1)
+        met = width[np.isfinite(width)]
+        farthest = _WIDEST_GAP * float(np.median(met)) if len(met) else 0.0
     return best, width
 
 

@@ -68,8 +68,8 @@ def read_xml(path: Path) -> Document:
         )
         what = expat.ErrorString(error.code)
         raise InvalidFile(
-            f"{path}: not XML at line {line}, column {column + 1}: {what}. Save the file again with "
-            "the program that made it."
+            f"{path}: not XML at line {line}, column {column + 1}: {what}. Save the file again "
+            "with the program that made it."
         ) from error
     except (LookupError, ValueError) as error:
         raise InvalidFile(

@@ -42,7 +42,7 @@ __all__ = ["FLATNESS_MM", "read_svg"]
 
 # Curves become chords that leave them by at most this, in the size that the file has.
 FLATNESS_MM = 0.05
-_MOST_LINES = 2_000_000
+_MOST_LINES = 1_000_000
 # `use` elements may multiply a drawing; deeper ones refer to each other in a circle.
 _MOST_SHAPES = 200_000
 _DEEPEST_USE = 32
@@ -136,7 +136,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     file: 1/72 inch for Adobe Illustrator, 1/90 for Inkscape before 0.92, else 1/96.
 
     Raises `InvalidFile` for files that are not SVG, without a line, with images alone, with more
-    than 2 million lines or coordinates beyond 1e9, and all that `read_xml` refuses.
+    than a million lines or coordinates beyond 1e9, and all that `read_xml` refuses.
     """
     document = read_xml(path)
     root = document.root
@@ -283,7 +283,8 @@ def _drawing(path: Path, root: ET.Element, page: Page, options: ReadOptions) -> 
     while stack:
         element, around, outermost = stack.pop()
         tag = local_name(element)
-        if not tag or (tag in _DEFINITIONS and (tag, around.label) != ("symbol", "symbol")):
+        used_symbol = tag == "symbol" and around.label == "symbol"
+        if not tag or (tag in _DEFINITIONS and not used_symbol):
             continue
         if tag in _TEXTS or tag in ("image", "foreignObject"):
             out.left_out["texts" if tag in _TEXTS else f"{tag}s"] += 1
@@ -294,8 +295,8 @@ def _drawing(path: Path, root: ET.Element, page: Page, options: ReadOptions) -> 
         drawn += around.uses > 0
         if drawn > _MOST_SHAPES:
             raise InvalidFile(
-                f"{path}: its `use` elements draw more than {_MOST_SHAPES} elements. Draw the lines "
-                "themselves."
+                f"{path}: its `use` elements draw more than {_MOST_SHAPES} elements. Draw the "
+                "lines themselves."
             )
         declared = sheets.of(element)
         inner = _inherited(around, declared)
