@@ -17,7 +17,7 @@ from fab.formats.line_soup import Letters, LineSoup
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Rows", "extended", "join_dashes", "of_rows", "rows_of"]
+__all__ = ["Rows", "extended", "facing", "join_dashes", "of_rows", "rows_of"]
 
 _NEVER_JOINED = ("B", "C", "J")
 _LEAST_DASHES = 3
@@ -27,9 +27,9 @@ _NEIGHBOURS = (9, 64)
 _BEND = 0.02
 # Gaps of a row, over their median; wider ones part two rows.
 _WIDEST_GAP = 1.6
-# How far an end may be from another line before it touches it, and dashes from the line of their
-# row, over the gap.
-_TOUCH = 0.1
+# Over the gap: nearer to another line an end touches it, and farther from the line of their row
+# dashes make no row.
+_TOUCH = 0.02
 _OFF_LINE = 0.1
 _CHUNK = 200_000
 # Sine of the least angle at which lines meet in a vertex.
@@ -98,7 +98,9 @@ def rows_of(soup: LineSoup, least: int) -> Rows:
     count = len(coords)
     has_length = (coords[:, 0] != coords[:, 1]).any(axis=1)
     dashes = np.flatnonzero(~np.isin(soup.lines_assignment, _NEVER_JOINED) & has_length)
-    pairs, gaps = _links(coords, soup.lines_assignment, dashes)
+    pairs, gaps = np.empty((0, 2), np.int64), np.empty(0)
+    if len(dashes):
+        pairs, gaps = _links(coords, soup.lines_assignment, dashes)
     if len(pairs):
         free = _free(coords, pairs, gaps)
         pairs, gaps = pairs[free], gaps[free]
@@ -136,7 +138,7 @@ def _links(coords: FloatArray, letters: Letters, dashes: IntArray) -> tuple[IntA
         ends = coords[own].reshape(-1, 2)
         along = span[own] / length[own, None]
         outward = np.stack([-along, along], axis=1).reshape(-1, 2)
-        best, width = _facing(ends, outward, alone[own].ravel())
+        best, width = facing(ends, outward, np.repeat(own, 2), alone[own].ravel())
         first = np.flatnonzero(best >= 0)
         mutual = first[(best[best[first]] == first) & (first < best[first])]
         pair = np.column_stack([mutual, best[mutual]])
@@ -153,15 +155,22 @@ def _alone(coords: FloatArray) -> BoolArray:
     return np.asarray(count[place.ravel()] == 1).reshape(-1, 2)
 
 
-def _facing(
-    ends: FloatArray, outward: FloatArray, wanted: BoolArray
+def facing(
+    ends: FloatArray, outward: FloatArray, line: IntArray, wanted: BoolArray | None = None
 ) -> tuple[IntArray, FloatArray]:
     """The nearest end that each wanted end faces, -1 where there is none, and how far away it is.
 
     Few neighbours are looked at first, and then more of the ends that face none of these, up to
     the gaps found: where many creases meet at small angles, the next dash is far down the list.
+
+    Parameters
+    ----------
+    ends, outward : shape (n, 2), points and the unit vectors in which their lines would go on.
+    line : which line each end is of, shape (n,); wanted : which ends are asked for, all if None.
     """
     from scipy.spatial import KDTree
+
+    wanted = np.ones(len(ends), bool) if wanted is None else wanted
 
     tree = KDTree(ends)
     best = np.full(len(ends), -1)
@@ -182,7 +191,7 @@ def _facing(
             aside = np.abs(step[..., 0] * u[..., 1] - step[..., 1] * u[..., 0])
             turn = np.abs(v[..., 0] * u[..., 1] - v[..., 1] * u[..., 0])
             fits = (ahead > 0) & (aside <= _BEND * ahead) & (turn <= _BEND)
-            fits &= ((v * u).sum(axis=2) < 0) & (other // 2 != own[:, None] // 2)
+            fits &= ((v * u).sum(axis=2) < 0) & (line[other] != line[own][:, None])
             distance = np.where(fits, distance, np.inf)
             nearest = distance.argmin(axis=1)
             place = np.arange(len(own))

@@ -11,9 +11,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import shapely
+from scipy.spatial import KDTree
 
 from fab.errors import Finding, Severity
-from fab.formats.dashes import extended, of_rows, rows_of
+from fab.formats.dashes import extended, facing, of_rows, rows_of
 from fab.formats.line_soup import LineSoup
 from solver.vectors import BoolArray, FloatArray
 
@@ -31,7 +33,9 @@ _SUPPORT = 2
 _WIDEST_KERF_MM = 10.0
 _LEAST_KERF_MM = 1e-3
 _AGREE_MM = 1e-3
-_TRIALS = 8
+_LEAST_SINE = 0.1
+# Pairs of creases that are asked for a kerf.
+_TRIALS = 500
 
 
 def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[bool]) -> LineSoup:
@@ -61,6 +65,9 @@ def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[
                     "sheet-addition", Severity.NOTE, f"left out of our own sheet: {count} {name}."
                 )
             )
+    rings = [
+        soup.lines_coords[soup.lines_element == e, 0] for e in np.unique(soup.lines_element[hole])
+    ]
     kept = ~(hole | label)
     angles = np.where(np.isin(letters, ["M", "V"]), soup.lines_foldAngle, np.nan)
     soup = replace(
@@ -76,8 +83,17 @@ def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[
     crease = ~np.isin(letters, ["B", "C"])
     border = letters == "B"
     if border.any() and crease.any():
-        half = _half_kerf(ends, crease, border)
-        if half > _LEAST_KERF_MM:
+        half = _half_kerf(ends, crease, border, rings)
+        if half is None:
+            findings.append(
+                Finding(
+                    "kerf-unknown",
+                    Severity.NOTE,
+                    "the kerf for which the outlines were drawn does not show in the drawing: the "
+                    "sheet may be larger than the pattern by the kerf of the machine.",
+                )
+            )
+        elif half > _LEAST_KERF_MM:
             ends = _inset(ends, border, soup_rows.lines_element, half)
             findings.append(
                 Finding(
@@ -109,84 +125,109 @@ def _to_vertices(ends: FloatArray, crease: BoolArray) -> tuple[FloatArray, int]:
     for reach in _REACHES_MM:
         ends, moved = extended(ends, loose, np.full(len(ends), reach), _NEAR_MM, _SUPPORT)
         loose &= ~moved
-        if not loose.any():
-            return ends, 0
+    ends, closed = _straight_through(ends, loose)
+    loose &= ~closed
     for reach in _REACHES_MM:
         ends, moved = extended(ends, loose, np.full(len(ends), reach), _NEAR_MM, 1)
         loose &= ~moved
     return ends, int(loose.sum())
 
 
-def _half_kerf(ends: FloatArray, crease: BoolArray, border: BoolArray) -> float:
-    """Half of the kerf by which outlines were moved; 0 where it does not show.
+def _straight_through(ends: FloatArray, loose: BoolArray) -> tuple[FloatArray, BoolArray]:
+    """Loose ends that face each other on one line moved to their middle, and which these are."""
+    out, closed = ends.copy(), np.zeros(loose.shape, bool)
+    line, side = np.nonzero(loose)
+    if len(line) < 2:
+        return out, closed
+    points = ends[line, side]
+    outward = points - ends[line, 1 - side]
+    outward /= np.hypot(outward[:, 0], outward[:, 1])[:, None]
+    other, gap = facing(points, outward, line)
+    pair = np.flatnonzero((other >= 0) & (gap <= 2 * _REACHES_MM[-1]))
+    pair = pair[other[other[pair]] == pair]
+    out[line[pair], side[pair]] = (points[pair] + points[other[pair]]) / 2
+    closed[line[pair], side[pair]] = True
+    return out, closed
+
+
+def _half_kerf(
+    ends: FloatArray, crease: BoolArray, border: BoolArray, holes: Sequence[FloatArray]
+) -> float | None:
+    """Half of the kerf by which outlines were moved; None where it does not show.
 
     A crease ends m before its vertex. To an outline that was moved by h, and that it meets at the
-    angle a, it is m + h / sin a; to other creases at a vertex within, m.
+    angle a, it is m + h / sin a; to other creases at a vertex within, m. A vertex with a hole is
+    farther by the radius, which was drawn smaller.
     """
     within = np.concatenate([ends[crease], ends[~crease & ~border]])
-    lines = np.concatenate([within, ends[border]])
-    loose = np.zeros((len(lines), 2), bool)
+    count = len(within)
+    loose = np.zeros((count, 2), bool)
     loose[: int(crease.sum())] = True
-    rows: list[FloatArray] = []
+    reached: FloatArray = np.full(loose.shape, np.inf)
+    parts = [np.empty((0, 3))]
     for reach in _REACHES_MM:
-        count = len(within)
-        out, moved = extended(within, loose[:count], np.full(count, reach), _NEAR_MM, _SUPPORT)
+        out, moved = extended(within, loose, np.full(count, reach), _NEAR_MM, 1)
+        loose &= ~moved
         step = np.hypot(*np.moveaxis(out - within, 2, 0))[moved]
-        rows.append(np.column_stack([np.ones(len(step)), np.zeros(len(step)), step]))
-        at_border, slant = _to_outlines(lines, loose & ~_padded(moved, len(lines)), count, reach)
-        rows.append(np.column_stack([np.ones(len(slant)), slant, at_border]))
-        loose[:count] &= ~moved
-        if len(at_border):
-            break
-    system = np.concatenate(rows)
-    return _agreed(system)
+        parts.append(_of_holes(out[moved], step, holes))
+        reached[moved] = step
+    parts.append(_to_outlines(within, reached, ends[border]))
+    return _agreed(np.concatenate(parts))
 
 
-def _padded(mask: BoolArray, count: int) -> BoolArray:
-    out: BoolArray = np.zeros((count, 2), bool)
-    out[: len(mask)] = mask
+def _of_holes(points: FloatArray, step: FloatArray, holes: Sequence[FloatArray]) -> FloatArray:
+    """Equations of creases that end `step` before these points, some of which are in round holes.
+
+    Those in holes of other shapes are left out: what the kerf does to them is only nearly known.
+    """
+    rows = np.column_stack([np.ones(len(step)), np.zeros(len(step)), step])
+    if not holes or not len(points):
+        return rows
+    centres = np.array([hole.mean(axis=0) for hole in holes])
+    radii = [np.hypot(*(hole - c).T) for hole, c in zip(holes, centres, strict=True)]
+    size = np.array([radius.max() for radius in radii])
+    is_round = np.array([np.ptp(radius) < _AGREE_MM and len(radius) >= 16 for radius in radii])
+    flatness = np.cos(np.pi / np.array([len(hole) for hole in holes]))
+    apart, which = KDTree(centres).query(points)
+    inside = apart < size[which]
+    rows[inside, 1] = 1 / flatness[which[inside]]
+    rows[inside, 2] -= size[which[inside]]
+    out: FloatArray = rows[~inside | is_round[which]]
     return out
 
 
-def _to_outlines(
-    lines: FloatArray, loose: BoolArray, count: int, reach: float
-) -> tuple[FloatArray, FloatArray]:
-    """How far the loose ends of the first `count` lines are from the outlines that follow them,
-    along the line, and 1 / sin of the angle there.
-    """
-    import shapely
+def _to_outlines(lines: FloatArray, reached: FloatArray, walls: FloatArray) -> FloatArray:
+    """Equations of creases that meet an outline at or soon after they meet other creases.
 
-    line, side = np.nonzero(loose[:count])
-    if not len(line):
-        return np.empty(0), np.empty(0)
+    reached : how far each end is from these, infinite where it meets none, shape (n, 2).
+    """
+    line, side = np.nonzero(np.ones(reached.shape, bool))
     start = lines[line, side]
-    span = lines[line, side] - lines[line, 1 - side]
+    span = start - lines[line, 1 - side]
     along = span / np.hypot(span[:, 0], span[:, 1])[:, None]
-    rays = shapely.linestrings(np.stack([start, start + reach * along], axis=1))
-    walls = lines[count:]
+    far = np.minimum(reached[line, side] + _WIDEST_KERF_MM, _REACHES_MM[-1])
+    rays = shapely.linestrings(np.stack([start, start + far[:, None] * along], axis=1))
     ray, wall = shapely.STRtree(shapely.linestrings(walls)).query(rays, predicate="intersects")
     direction = walls[wall, 1] - walls[wall, 0]
     direction /= np.hypot(direction[:, 0], direction[:, 1])[:, None]
     sine = along[ray, 0] * direction[:, 1] - along[ray, 1] * direction[:, 0]
-    fits = np.abs(sine) > 0.1
+    fits = np.abs(sine) > _LEAST_SINE
     ray, wall, direction, sine = ray[fits], wall[fits], direction[fits], sine[fits]
     apart = walls[wall, 0] - start[ray]
     at = (apart[:, 0] * direction[:, 1] - apart[:, 1] * direction[:, 0]) / sine
     order = np.lexsort((at, ray))
     order = order[np.diff(ray[order], prepend=-1) != 0]
-    return at[order], 1 / np.abs(sine[order])
+    return np.column_stack([np.ones(len(order)), 1 / np.abs(sine[order]), at[order]])
 
 
-def _agreed(system: FloatArray) -> float:
-    """The h of most equations m + s h = d, rows (1, s, d); 0 where they do not settle it."""
-    if len(system) < 2:
-        return 0.0
+def _agreed(system: FloatArray) -> float | None:
+    """The h of most equations m + s h = d, rows (1, s, d); None where they do not settle it."""
     generator = np.random.default_rng(0)
-    best, most = 0.0, 2
+    best, most = None, 2
     slants = np.unique(np.round(system[:, 1], 6))
     if len(slants) < 2:
-        return 0.0
-    for _ in range(_TRIALS * 32):
+        return None
+    for _ in range(_TRIALS):
         first, second = generator.integers(len(system), size=2)
         lean = system[first, 1] - system[second, 1]
         if abs(lean) < 1e-3:
@@ -201,7 +242,7 @@ def _agreed(system: FloatArray) -> float:
             most = int(agree.sum())
             fit = np.linalg.lstsq(system[agree, :2], system[agree, 2], rcond=None)[0]
             best = float(fit[1])
-    return best if most > len(system) / 4 else 0.0
+    return best if most > len(system) / 4 else None
 
 
 def _inset(ends: FloatArray, border: BoolArray, element: np.ndarray, half: float) -> FloatArray:

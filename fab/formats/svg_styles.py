@@ -5,6 +5,7 @@ No style sheet of another file is read.
 
 from __future__ import annotations
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from functools import lru_cache
@@ -98,11 +99,12 @@ def style_sheets(root: ET.Element) -> Sheets:
             if not declarations:
                 continue
             try:
+                listed = tinycss2.serialize(rule.prelude)
                 selectors = cssselect2.compile_selector_list(rule.prelude)
             except (cssselect2.SelectorError, RecursionError):
                 skipped += 1
                 continue
-            if kept >= _MOST_RULES or _parts(rule.prelude) > _MOST_PARTS:
+            if kept >= _MOST_RULES or _parts(listed) > _MOST_PARTS:
                 skipped += 1
                 continue
             kept += 1
@@ -120,16 +122,10 @@ def style_sheets(root: ET.Element) -> Sheets:
     return Sheets(rules, skipped)
 
 
-def _parts(prelude: Any) -> int:
+def _parts(selectors: str) -> int:
     """How many simple selectors the longest of a list has between combinators, about."""
-    most = parts = 1
-    for token in prelude:
-        if token.type == "literal" and token.value == ",":
-            parts = 1
-        elif token.type == "whitespace" or (token.type == "literal" and token.value in ">+~"):
-            parts += 1
-        most = max(most, parts)
-    return most
+    parts = (re.split(r"\s*[>+~]\s*|\s+", part.strip()) for part in selectors.split(","))
+    return max(map(len, parts))
 
 
 @lru_cache(maxsize=4096)
