@@ -39,7 +39,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Written:
-    """A file, what it holds, and whether it tells fold angles."""
+    """A file, what it holds, and whether it has fold angles."""
 
     text: str
     lines: Source
@@ -371,7 +371,7 @@ def rabbit_ear(lines: Source) -> Written:
 
 
 def rabbit_ear_old(lines: Source) -> Written:
-    """The forerunner of Rabbit Ear: blue mountains and red valleys, told by class alone."""
+    """The forerunner of Rabbit Ear: blue mountains, red valleys, and classes that say so."""
     lines = lines.as_letters(J="F", U="F", C="B")
     names = {"B": "boundary", "M": "mountain", "V": "valley", "F": "mark"}
     ends, width, height = _page(lines, CSS, 9, 1.0)

@@ -266,7 +266,7 @@ def test_opacity_of_groups_is_no_fold_angle(tmp_path):
 def test_style_sheets_follow_the_order_of_css(tmp_path):
     sheet = (
         "@import url(other.css); .a {stroke: red} #b {stroke: blue} line {stroke: lime}"
-        " g > .c {stroke: yellow !important} .d::before {stroke: red} .e:unknown( {stroke: red}"
+        " g > .c {stroke: yellow !important} .d::before {stroke: red} .e:unknown {stroke: red}"
     )
     lines = "".join(
         f'<g><line {what} x2="5" y2="{n}"/></g>'
