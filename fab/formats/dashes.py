@@ -23,14 +23,16 @@ _NEVER_JOINED = ("B", "C", "J")
 _LEAST_DASHES = 3
 # How many ends near an end are looked at, and then.
 _NEIGHBOURS = (9, 64)
-# Sine of the angle by which a dash may leave the line to the next.
-_BEND = 0.02
+# Places in a drawing of unknown precision are off by this, over its size; a dash whose ends are off
+# by so much points wrong by twice that over its length, and is no dash where that is over _BEND.
+_NOISE_REL = 3e-5
+_BEND = 0.05
 # Gaps of a row, over their median; wider ones part two rows.
 _WIDEST_GAP = 1.6
-# Over the gap: nearer to another line an end touches it, and farther from the line of their row
-# dashes make no row.
+# Over the gap: nearer to another line an end touches it.
 _TOUCH = 0.02
-_OFF_LINE = 0.1
+# Over the noise: farther from the line of their row dashes make no row.
+_OFF_LINE = 4.0
 _CHUNK = 200_000
 # Sine of the least angle at which lines meet in a vertex.
 _PARALLEL = 1e-3
@@ -59,7 +61,10 @@ def join_dashes(soup: LineSoup) -> LineSoup:
 
     An end of a joined row that another line crosses within one gap is drawn on to that line.
     """
-    rows = rows_of(soup, _LEAST_DASHES)
+    if not len(soup.lines_coords):
+        return soup
+    size = float(np.ptp(soup.lines_coords.reshape(-1, 2), axis=0).max())
+    rows = rows_of(soup, _LEAST_DASHES, _NOISE_REL * size)
     joined = rows.dashes > 1
     if not joined.any():
         return soup
@@ -92,15 +97,18 @@ def of_rows(soup: LineSoup, rows: Rows, ends: FloatArray, *findings: Finding) ->
     )
 
 
-def rows_of(soup: LineSoup, least: int) -> Rows:
-    """The rows of at least `least` dashes that the lines of a drawing make."""
+def rows_of(soup: LineSoup, least: int, noise: float) -> Rows:
+    """The rows of at least `least` dashes that the lines of a drawing make.
+
+    noise : how far the ends of the lines may be from where they are meant.
+    """
     coords = soup.lines_coords
     count = len(coords)
     has_length = (coords[:, 0] != coords[:, 1]).any(axis=1)
     dashes = np.flatnonzero(~np.isin(soup.lines_assignment, _NEVER_JOINED) & has_length)
     pairs, gaps = np.empty((0, 2), np.int64), np.empty(0)
     if len(dashes):
-        pairs, gaps = _links(coords, soup.lines_assignment, dashes)
+        pairs, gaps = _links(coords, soup.lines_assignment, dashes, noise)
     if len(pairs):
         free = _free(coords, pairs, gaps)
         pairs, gaps = pairs[free], gaps[free]
@@ -110,12 +118,9 @@ def rows_of(soup: LineSoup, least: int) -> Rows:
         near = gaps <= _WIDEST_GAP * _medians(gaps, row[lines[:, 0]])
         lines, gaps = lines[near], gaps[near]
         row = labels(lines, count)
-    straight = np.ones(int(row.max(initial=-1)) + 1, bool)
-    ends, off = _spans(coords, row)
-    widest = np.zeros(len(straight))
-    np.maximum.at(widest, row[lines[:, 0]], gaps)
-    sizes = np.bincount(row, minlength=len(straight))
-    straight = (off <= _OFF_LINE * widest) & (sizes >= least)
+    _, off = _spans(coords, row)
+    sizes = np.bincount(row, minlength=len(off))
+    straight = (off <= _OFF_LINE * noise) & (sizes >= least)
     kept = straight[row[lines[:, 0]]]
     row = labels(lines[kept], count)
     ends, _ = _spans(coords, row)
@@ -124,7 +129,9 @@ def rows_of(soup: LineSoup, least: int) -> Rows:
     return Rows(row, ends, np.bincount(row, minlength=len(ends)), widest)
 
 
-def _links(coords: FloatArray, letters: Letters, dashes: IntArray) -> tuple[IntArray, FloatArray]:
+def _links(
+    coords: FloatArray, letters: Letters, dashes: IntArray, noise: float
+) -> tuple[IntArray, FloatArray]:
     """Ends (2 line + end) that face each other across a gap, shape (m, 2), and the gaps (m,)."""
     found, widths = [np.empty((0, 2), np.int64)], [np.empty(0)]
     alone = _alone(coords)
@@ -138,7 +145,9 @@ def _links(coords: FloatArray, letters: Letters, dashes: IntArray) -> tuple[IntA
         ends = coords[own].reshape(-1, 2)
         along = span[own] / length[own, None]
         outward = np.stack([-along, along], axis=1).reshape(-1, 2)
-        best, width = facing(ends, outward, np.repeat(own, 2), alone[own].ravel())
+        best, width = facing(
+            ends, outward, np.repeat(own, 2), np.repeat(length[own], 2), noise, alone[own].ravel()
+        )
         first = np.flatnonzero(best >= 0)
         mutual = first[(best[best[first]] == first) & (first < best[first])]
         pair = np.column_stack([mutual, best[mutual]])
@@ -156,7 +165,12 @@ def _alone(coords: FloatArray) -> BoolArray:
 
 
 def facing(
-    ends: FloatArray, outward: FloatArray, line: IntArray, wanted: BoolArray | None = None
+    ends: FloatArray,
+    outward: FloatArray,
+    line: IntArray,
+    length: FloatArray,
+    noise: float,
+    wanted: BoolArray | None = None,
 ) -> tuple[IntArray, FloatArray]:
     """The nearest end that each wanted end faces, -1 where there is none, and how far away it is.
 
@@ -166,12 +180,14 @@ def facing(
     Parameters
     ----------
     ends, outward : shape (n, 2), points and the unit vectors in which their lines would go on.
-    line : which line each end is of, shape (n,); wanted : which ends are asked for, all if None.
+    line, length : which line each end is of, and how long that is, shape (n,).
+    noise : how far ends may be from where they are meant.
+    wanted : which ends are asked for, shape (n,); all if None.
     """
     from scipy.spatial import KDTree
 
     wanted = np.ones(len(ends), bool) if wanted is None else wanted
-
+    bend = np.minimum(2 * noise / length, _BEND)
     tree = KDTree(ends)
     best = np.full(len(ends), -1)
     width = np.full(len(ends), np.inf)
@@ -190,7 +206,8 @@ def facing(
             ahead = (step * u).sum(axis=2)
             aside = np.abs(step[..., 0] * u[..., 1] - step[..., 1] * u[..., 0])
             turn = np.abs(v[..., 0] * u[..., 1] - v[..., 1] * u[..., 0])
-            fits = (ahead > 0) & (aside <= _BEND * ahead) & (turn <= _BEND)
+            fits = (ahead > 0) & (aside <= bend[own, None] * ahead + 2 * noise)
+            fits &= turn <= bend[own, None] + bend[other]
             fits &= ((v * u).sum(axis=2) < 0) & (line[other] != line[own][:, None])
             distance = np.where(fits, distance, np.inf)
             nearest = distance.argmin(axis=1)

@@ -27,6 +27,7 @@ _LETTERS = {"ENGRAVE": "U", "MOUNTAIN": "M", "VALLEY": "V", "CUT": "C"}
 # Ends reach for their vertices in steps, so that the nearest ones are found first, mm.
 _REACHES_MM = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0)
 # Files have six digits after the point; a short dash points less exactly.
+_NOISE_MM = 2e-6
 _NEAR_MM = 2e-3
 # Lines that meet count one each, a line that passes counts two.
 _SUPPORT = 2
@@ -77,7 +78,7 @@ def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[
         lines_foldAngle=angles[kept],
         lines_element=soup.lines_element[kept],
     )
-    rows = rows_of(soup, 2)
+    rows = rows_of(soup, 2, _NOISE_MM)
     soup_rows = of_rows(soup, rows, rows.ends)
     ends, letters = rows.ends, soup_rows.lines_assignment
     crease = ~np.isin(letters, ["B", "C"])
@@ -141,8 +142,9 @@ def _straight_through(ends: FloatArray, loose: BoolArray) -> tuple[FloatArray, B
         return out, closed
     points = ends[line, side]
     outward = points - ends[line, 1 - side]
-    outward /= np.hypot(outward[:, 0], outward[:, 1])[:, None]
-    other, gap = facing(points, outward, line)
+    length = np.hypot(outward[:, 0], outward[:, 1])
+    outward /= length[:, None]
+    other, gap = facing(points, outward, line, length, _NOISE_MM)
     pair = np.flatnonzero((other >= 0) & (gap <= 2 * _REACHES_MM[-1]))
     pair = pair[other[other[pair]] == pair]
     out[line[pair], side[pair]] = (points[pair] + points[other[pair]]) / 2

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from flat_patterns import grid, triangles
 from formats import svg_dialects as dialects
+from helpers import made_template
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fab.drawings.svg import svg_bytes
 from fab.errors import InvalidFile
+from fab.formats.fold_reader import read_pattern
 from fab.formats.line_soup import LineSoup
 from fab.formats.read_options import ReadOptions
 from fab.formats.simulator_svg import simulator_svg_bytes
@@ -148,6 +150,21 @@ def test_our_own_sheet_is_the_pattern_again(name, style, kerf, tmp_path):
     places = (soup.lines_coords - soup.lines_coords.min(axis=(0, 1))).reshape(-1, 2)
     apart = np.hypot(*np.moveaxis(places[:, None] - corner, 2, 0)).min(axis=1)
     assert apart.max() < 5e-3
+
+
+@pytest.mark.parametrize("name", ["curved_fold", "crumpled", "miura"])
+def test_sheets_of_jobs_are_their_patterns_again(name, tmp_path):
+    """Creases that all but go straight on at their vertices, and very short ones, are resolved."""
+    files = made_template(name).files
+    soup = read(tmp_path, files[f"{name}.svg"])
+    path = tmp_path / "pattern.fold"
+    path.write_bytes(files[f"{name}.fold"])
+    pattern, _ = read_pattern(path)
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    letters = pattern.edges_assignment
+    assert Counter(soup.lines_assignment.tolist()) == Counter(letters.tolist())
+    found = lengths(soup.lines_coords, soup.lines_assignment)
+    assert found == pytest.approx(lengths(ends, letters), rel=1e-6)
 
 
 def test_slits_of_our_own_sheets_stay_cuts(tmp_path):
