@@ -115,10 +115,11 @@ def kresling(sides: int = 6) -> Source:
     lines = []
     for i in range(sides):
         x = 20.0 * i
-        lines += [("M", x, 0, x + 7, 30, -60.0), ("V", x + 20, 0, x + 7, 30, 75.0)]
+        lines.append(("M", x, 0, x + 7, 30, -60.0) if i else ("B", x, 0, x + 7, 30))
+        lines.append(("V", x + 20, 0, x + 7, 30, 75.0))
         lines += [("B", x, 0, x + 20, 0), ("B", x + 7, 30, x + 27, 30)]
     x = 20.0 * sides
-    return source(*lines, ("M", x, 0, x + 7, 30, -60.0))
+    return source(*lines, ("B", x, 0, x + 7, 30))
 
 
 def slits() -> Source:
