@@ -1,0 +1,139 @@
+"""XML of files from anywhere, parsed as data: nothing is expanded without bound, nothing fetched.
+
+A document type declaration may name an external DTD, which is never read, and may declare entities
+that are short plain texts, as Adobe Illustrator writes them; every other entity is refused.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+from xml.parsers import expat
+
+from fab.errors import InvalidFile
+
+__all__ = ["MOST_BYTES", "Document", "read_xml"]
+
+# What is read with less than 1 GB of memory.
+MOST_BYTES = 100_000_000
+_MOST_ELEMENTS = 500_000
+_DEEPEST = 256
+# All that entities may add to a file.
+_MOST_EXPANDED = 1_000_000
+_LONGEST_ENTITY = 1000
+_GZIP = b"\x1f\x8b"
+
+
+@dataclass(frozen=True)
+class Document:
+    """The root element, and the comments before it, where programs sign."""
+
+    root: ET.Element
+    comments: str
+
+
+class _Refused(Exception):
+    """Raised within callbacks of the parser; its text goes on as that of `InvalidFile`."""
+
+
+def read_xml(path: Path) -> Document:
+    """The elements of an XML file.
+
+    Raises `InvalidFile` for files over 100 MB, with more than 500,000 elements or with elements in
+    each other over 256 deep, for files that are not XML, and for entities that are declared as
+    anything but plain text of up to 1000 characters or that add over 1 MB to the file.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except OSError as error:
+        raise InvalidFile(f"{path}: cannot be read: {error.strerror or error}.") from error
+    if len(data) > MOST_BYTES:
+        raise InvalidFile(
+            f"{path}: larger than {MOST_BYTES // 10**6} MB. Split the drawing into several files."
+        )
+    if not data.strip():
+        raise InvalidFile(f"{path}: the file is empty. Save the drawing again.")
+    if data.startswith(_GZIP):
+        raise InvalidFile(f"{path}: the file is compressed (svgz). Save it as plain SVG.")
+    try:
+        comments = _inspected(data)
+        root = ET.fromstring(data)
+    except _Refused as error:
+        raise InvalidFile(f"{path}: {error}") from error
+    except (expat.ExpatError, ET.ParseError) as error:
+        line, column = (
+            error.position if isinstance(error, ET.ParseError) else (error.lineno, error.offset)
+        )
+        what = expat.ErrorString(error.code)
+        raise InvalidFile(
+            f"{path}: not XML at line {line}, column {column + 1}: {what}. Save the file again "
+            "with the program that made it."
+        ) from error
+    except (LookupError, ValueError) as error:
+        raise InvalidFile(
+            f"{path}: the encoding of the file cannot be read ({error}). Save it as UTF-8."
+        ) from error
+    return Document(root, comments)
+
+
+def _inspected(data: bytes) -> str:
+    """The comments before the root element; raises `_Refused` for what would not be read safely."""
+    parser = expat.ParserCreate()
+    entities: dict[str, int] = {}
+    comments: list[str] = []
+    depth = count = 0
+
+    def begin(_name: str, _attributes: list[str]) -> None:
+        nonlocal depth, count
+        depth += 1
+        count += 1
+        if depth > _DEEPEST:
+            raise _Refused(f"elements are within each other over {_DEEPEST} deep. Ungroup them.")
+        if count > _MOST_ELEMENTS:
+            raise _Refused(
+                f"more than {_MOST_ELEMENTS} elements. Join lines of one kind to paths, or split "
+                "the drawing into several files."
+            )
+
+    def end(_name: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    def comment(text: str) -> None:
+        if count == 0:
+            comments.append(text[:1000])
+
+    def entity(
+        name: str,
+        is_parameter: bool,
+        value: str | None,
+        _base: str | None,
+        _system: str | None,
+        _public: str | None,
+        _notation: str | None,
+    ) -> None:
+        plain = value is not None and not is_parameter and not any(c in value for c in "&%<")
+        if not plain or len(value or "") > _LONGEST_ENTITY:
+            kind = "refers to another file" if value is None else "is no short plain text"
+            raise _Refused(
+                f"the entity {name!r} {kind}; such entities are refused, as they can read other "
+                "files or fill the memory. Save the file as plain SVG."
+            )
+        entities[name] = len(value or "")
+        added = sum(length * data.count(f"&{key};".encode()) for key, length in entities.items())
+        if added > _MOST_EXPANDED:
+            raise _Refused("its entities add over 1 MB to the file. Save it as plain SVG.")
+
+    def external(_context: str, _base: str | None, _system: str | None, _public: str | None) -> int:
+        raise _Refused("it refers to another file as an entity, which is refused.")
+
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = end
+    parser.CommentHandler = comment
+    parser.EntityDeclHandler = entity
+    parser.ExternalEntityRefHandler = external
+    parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
+    parser.Parse(data, True)
+    return "\n".join(comments)
