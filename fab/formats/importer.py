@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 # Findings about what is as it was drawn.
-NO_REPAIRS = ("crease-dangling", "hole", "runs-joined", "sheet-overlaps")
+NO_REPAIRS = ("crease-dangling", "frame-turned", "hole", "runs-joined", "sheet-overlaps")
 _DEFAULT_MM = 1.0
 
 

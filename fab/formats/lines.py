@@ -109,10 +109,11 @@ class Repair:
         )
 
 
-def listed(kind: str, numbers: IntArray | Sequence[int]) -> str:
+def listed(kind: str, numbers: IntArray | Sequence[int], several: str = "") -> str:
     """Such as "edges 3, 5, 8, 9, 12 and 7 more"."""
     more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-    return f"{kind}{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers[:5]))}{more}"
+    noun = (several or f"{kind}s") if len(numbers) > 1 else kind
+    return f"{noun} {', '.join(map(str, numbers[:5]))}{more}"
 
 
 def place_of(point: FloatArray) -> str:
