@@ -28,14 +28,14 @@ def with_border(lines: Lines, tolerance_mm: float) -> tuple[Lines, list[Repair]]
     two ends of the border belongs to it. Raises `InvalidFile` for outlines that stay open, with
     both ends of the gap, and where no closed line is around all others.
     """
-    closed = without_dangling(lines.pairs)
-    outer = np.zeros(len(closed), bool)
-    outer[closed] = regions_of(lines.coords, lines.pairs[closed]).outer
     if not (lines.letters == "B").any():
-        return _found(lines, closed, outer)
+        return _found(lines)
     degree = _degree(lines)
     if not (degree == 1).any():
         return lines, []
+    closed = without_dangling(lines.pairs)
+    outer = np.zeros(len(closed), bool)
+    outer[closed] = regions_of(lines.coords, lines.pairs[closed]).outer
     size = float(np.hypot(*np.ptp(lines.coords, axis=0)))
     missing = _straight_runs(lines, outer, degree == 1, max(tolerance_mm, _STRAIGHT_REL * size))
     repairs = []
@@ -58,12 +58,13 @@ def _degree(lines: Lines) -> IntArray:
     return np.bincount(ends, minlength=len(lines.coords))
 
 
-def _found(lines: Lines, closed: BoolArray, outer: BoolArray) -> tuple[Lines, list[Repair]]:
+def _found(lines: Lines) -> tuple[Lines, list[Repair]]:
     """The outermost closed lines as borders."""
-    if not outer.any():
+    closed = without_dangling(lines.pairs)
+    regions = regions_of(lines.coords, lines.pairs[closed])
+    if not regions.count:
         raise InvalidFile(f"{lines.path}: its edges enclose no face. To mend it, {_HULL}.")
     loose = np.flatnonzero(~closed)
-    regions = regions_of(lines.coords, lines.pairs[closed])
     middles = lines.coords[lines.pairs[loose]].mean(axis=1)
     free = loose[points_within(middles, lines.coords, regions) < 0]
     if len(free):
@@ -71,7 +72,7 @@ def _found(lines: Lines, closed: BoolArray, outer: BoolArray) -> tuple[Lines, li
             f"{lines.path}: no line is a border, and {lines.named(free)} outside of the outermost "
             f"closed lines. To mend it, {_HULL}."
         )
-    rows = np.flatnonzero(outer)
+    rows = np.flatnonzero(closed)[regions.outer]
     text = (
         f"no line is a border: the outermost closed lines are taken, "
         f"{counted(len(rows), 'edge')}, the first at {lines.place(rows[0])}."

@@ -84,14 +84,9 @@ def drawn_sheet(
         lines, joined, of = _joined_runs(lines, stands)
         repairs += joined
         stands = of
-    lines, added = _bridged(lines, len(stands))
+    lines, faces, added = _bridged(lines, len(stands))
     repairs += added
     stands = np.concatenate([stands, lines.planar[lines.planar >= len(stands)]])
-    closed, regions, solid = _solids(lines)
-    sizes = np.diff(regions.offsets)
-    offsets = np.concatenate([[0], np.cumsum(sizes[solid])])
-    corners = regions.corners[np.repeat(solid, sizes)]
-    faces = Faces(corners, offsets, np.arange(len(offsets) - 1))
     return DrawnSheet(faces, lines, stands, tuple(repairs), tuple(findings))
 
 
@@ -221,8 +216,16 @@ def _joined_runs(lines: Lines, stands: IntArray) -> tuple[Lines, list[Repair], I
     return replace(lines, pairs=pairs).part(kept), [repair], stands
 
 
-def _bridged(lines: Lines, first: int) -> tuple[Lines, list[Repair]]:
-    """The lines, and joins (J) that divide faces around islands into simple ones.
+def _faces(regions: Regions, solid: BoolArray) -> Faces:
+    """The regions that are the sheet."""
+    sizes = np.diff(regions.offsets)
+    corners = regions.corners[np.repeat(solid, sizes)]
+    offsets = np.concatenate([[0], np.cumsum(sizes[solid])])
+    return Faces(corners, offsets, np.arange(len(offsets) - 1))
+
+
+def _bridged(lines: Lines, first: int) -> tuple[Lines, Faces, list[Repair]]:
+    """The lines with joins (J) that divide faces around islands into simple ones; all faces.
 
     first : number of the first join in the planar graph.
     """
@@ -230,7 +233,7 @@ def _bridged(lines: Lines, first: int) -> tuple[Lines, list[Repair]]:
     broken = regions.broken()
     broken = broken[solid[broken]]
     if not len(broken):
-        return lines, []
+        return lines, _faces(regions, solid), []
     rows = np.flatnonzero(closed)
     loose = np.flatnonzero(~closed)
     middles = lines.coords[lines.pairs[loose]].mean(axis=1)
@@ -275,4 +278,5 @@ def _bridged(lines: Lines, first: int) -> tuple[Lines, list[Repair]]:
         number=np.concatenate([lines.number, np.full(count, -1)]),
         planar=np.concatenate([lines.planar, planar]),
     )
-    return lines, [Repair("island-joined", Severity.WARNING, text, planar)]
+    _, regions, solid = _solids(lines)
+    return lines, _faces(regions, solid), [Repair("island-joined", Severity.WARNING, text, planar)]

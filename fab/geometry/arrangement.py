@@ -85,11 +85,11 @@ class Arrangement:
     def passes(self) -> tuple[IntArray, IntArray]:
         """Vertices at which lines go on, and those lines: a row for each such pair."""
         line, edge = self.line_pairs
-        count = len(self.vertices_coords)
-        keys = (line[:, None] * count + self.edges_vertices[edge]).ravel()
-        ends = np.arange(len(self.ends_vertex))[:, None] * count + self.ends_vertex
-        keys = np.setdiff1d(keys, ends[self.ends_vertex >= 0])
-        line, vertex = np.divmod(keys, max(count, 1))
+        several = np.bincount(line, minlength=len(self.lines_coords))[line] > 1
+        line, vertex = np.repeat(line[several], 2), self.edges_vertices[edge[several]].ravel()
+        inner = (self.ends_vertex[line] != vertex[:, None]).all(axis=1)
+        count = max(len(self.vertices_coords), 1)
+        line, vertex = np.divmod(np.unique(line[inner] * count + vertex[inner]), count)
         return vertex, line
 
     def crossings(self) -> tuple[IntArray, IntArray]:
