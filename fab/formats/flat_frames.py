@@ -82,7 +82,7 @@ def flat_sheet(coords: FloatArray, faces: tuple[IntArray, IntArray] | None) -> F
 def is_open(coords: FloatArray, faces: tuple[IntArray, IntArray] | None, pairs: IntArray) -> bool:
     """Whether a sheet in the plane, shape (nv, 2), is unfolded rather than folded flat.
 
-    All its faces turn the same way; without faces, no two of its edges cross.
+    All its faces turn the same way; without faces, its edges meet in common vertices alone.
     """
     if faces is not None:
         areas = ring_areas(coords[faces[0]], faces[1])
@@ -93,5 +93,5 @@ def is_open(coords: FloatArray, faces: tuple[IntArray, IntArray] | None, pairs: 
     pairs = pairs[(ends[:, 0] != ends[:, 1]).any(axis=1)]
     near = _PLANE_REL * float(np.hypot(*np.ptp(coords, axis=0)))
     return bool(
-        len(pairs) and first_crossing(coords, pairs, near, np.ones(len(pairs), bool)) is None
+        len(pairs) and first_crossing(coords, pairs, near, np.zeros(len(pairs), bool)) is None
     )
