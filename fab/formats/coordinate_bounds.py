@@ -7,14 +7,17 @@ from pathlib import Path
 import numpy as np
 
 from fab.errors import InvalidFile
+from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import FloatArray
 
-__all__ = ["require_range"]
+__all__ = ["require_range", "require_sheet_size"]
 
 # Products of four lengths stay within the range of floats.
 _SMALLEST, _LARGEST = 1e-50, 1e50
 # Over the largest coordinate: a smaller sheet is lost in its rounding.
 _PRECISION_REL = 1e-11
+# Sheets that anything can be made of, mm, by their longer side; and a size that suits most.
+_LEAST_SHEET_MM, _LARGEST_SHEET_MM, _USUAL_MM = 0.1, 1e5, 100.0
 
 
 def require_range(path: Path, coords: FloatArray, what: str) -> None:
@@ -43,4 +46,16 @@ def require_range(path: Path, coords: FloatArray, what: str) -> None:
         raise InvalidFile(
             f"{path}: the {what} is {size:.3g} units large but {largest:.3g} away from the origin: "
             "its digits are lost. Move it to the origin."
+        )
+
+
+def require_sheet_size(path: Path, pattern: CreasePattern) -> None:
+    """Raise `InvalidFile` for patterns of a size that nothing can be made of."""
+    sides = np.ptp(pattern.vertices_coords, axis=0)
+    longer = float(sides.max())
+    if not _LEAST_SHEET_MM <= longer <= _LARGEST_SHEET_MM:
+        raise InvalidFile(
+            f"{path}: the sheet is {sides[0]:.4g} x {sides[1]:.4g} mm large; its longer side must "
+            f"be from {_LEAST_SHEET_MM:g} to {_LARGEST_SHEET_MM:g} mm. Give --width-mm, or "
+            f"--scale {_USUAL_MM / longer:.3g} for {_USUAL_MM:g} mm."
         )

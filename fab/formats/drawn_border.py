@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fab.errors import InvalidFile, Severity
-from fab.formats.lines import Lines, Repair, counted, place_of
+from fab.errors import InvalidFile, Severity, counted
+from fab.formats.lines import Lines, Repair, place_of
 from fab.geometry.planar_graph import without_dangling
 from fab.geometry.planar_regions import points_within, regions_of
 from solver.graphs import labels

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, Severity
+from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn_border import with_border
-from fab.formats.lines import Faces, Lines, Repair, counted, place_of
+from fab.formats.lines import Faces, Lines, Repair, place_of
 from fab.formats.planar_lines import PlanarLines
 from fab.formats.read_options import ReadOptions
 from fab.geometry.bridges import bridges

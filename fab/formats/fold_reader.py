@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, Severity, first_few
+from fab.errors import Finding, InvalidFile, Severity, counted, first_few
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold_faces import (
     faces_around,
@@ -39,7 +39,7 @@ from fab.formats.importer import (
     require_no_repairs,
 )
 from fab.formats.line_soup import LETTERS, UNLETTERED, Letters
-from fab.formats.lines import Lines, counted, listed, place_of
+from fab.formats.lines import Lines, listed, place_of
 from fab.formats.pattern_file import PatternFile
 from fab.formats.planar_lines import DrawnLines, ranks_of
 from fab.formats.read_options import ReadOptions
@@ -205,9 +205,10 @@ def _refuse_abutting(lines: Lines, edges: Edges, near: float) -> None:
 
 def _vertices_merged(lines: Lines, graph: Arrangement) -> tuple[IntArray, list[Finding]]:
     """Vertices of the file that stand in the pattern, and what is reported of the others."""
-    named = graph.ends_vertex >= 0
+    ends = graph.ends_vertex[: len(lines.pairs)]  # a hull may follow
+    named = ends >= 0
     source = np.full(len(graph.vertices_coords), len(lines.coords))
-    np.minimum.at(source, graph.ends_vertex[named], lines.pairs[named])
+    np.minimum.at(source, ends[named], lines.pairs[named])
     gone = np.setdiff1d(lines.pairs[named], source)
     if not len(gone):
         return source, []
@@ -228,8 +229,8 @@ def _moved(
         return None, []
     count = len(graph.vertices_coords)
     line, edge = graph.line_pairs
-    line = np.repeat(line, 2)
-    vertex = graph.edges_vertices[edge].ravel()
+    drawn = line < len(lines.pairs)  # a hull may follow
+    line, vertex = np.repeat(line[drawn], 2), graph.edges_vertices[edge[drawn]].ravel()
     start, end = graph.lines_coords[line].swapaxes(0, 1)
     span = end - start
     share = ((graph.vertices_coords[vertex] - start) * span).sum(axis=1) / (span**2).sum(axis=1)

@@ -12,7 +12,7 @@ from fab.errors import Finding, Severity, first_few
 from fab.formats.line_soup import Letters
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Faces", "Lines", "Repair", "counted", "listed", "place_of"]
+__all__ = ["Faces", "Lines", "Repair", "listed", "place_of"]
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,3 @@ def place_of(point: FloatArray) -> str:
     """A point in messages."""
     x, y = point
     return f"({x:.6g}, {y:.6g}) mm"
-
-
-def counted(count: int, single: str, several: str = "") -> str:
-    """Such as "1 line" and "3 lines"."""
-    return f"{count} {single if count == 1 else several or single + 's'}"

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fab.errors import InvalidFile, Severity
+from fab.errors import InvalidFile, Severity, counted
 from fab.formats.line_soup import UNLETTERED, Letters
 from fab.formats.line_tolerance import Tolerance
-from fab.formats.lines import Lines, Repair, counted, place_of
+from fab.formats.lines import Lines, Repair, place_of
 from fab.geometry.arrangement import Arrangement, arrangement
 from solver.vectors import BoolArray, FloatArray, IntArray
 
