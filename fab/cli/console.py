@@ -82,12 +82,20 @@ def _importing(frame: FrameType | None) -> bool:
 def say(text: str, *, error: bool = False) -> None:
     """Print a line; a closed pipe or full disk behind stdout does not change what was made.
 
-    What the terminal cannot show, such as bytes of a file name that are not text, is escaped.
+    What the terminal cannot show, such as bytes of a file name that are not text, is escaped, and
+    so is what it would obey: control characters of names and titles.
     """
     stream = sys.stderr if error else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     with suppress(OSError):
-        click.echo(text.encode(encoding, "backslashreplace").decode(encoding), err=error)
+        click.echo(_shown(text).encode(encoding, "backslashreplace").decode(encoding), err=error)
+
+
+def _shown(text: str) -> str:
+    """Text with escapes for control characters and marks that turn the direction of reading."""
+    return "".join(
+        letter if letter.isprintable() or letter == "\n" else ascii(letter)[1:-1] for letter in text
+    )
 
 
 def tell(findings: Sequence[Finding]) -> None:

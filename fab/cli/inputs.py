@@ -48,10 +48,16 @@ def _confirmed(question: str) -> bool:
 def sized_pattern(
     file: Path, width_mm: float | None, scale: float | None
 ) -> tuple[CreasePattern, str, Sequence[Finding]]:
-    """The crease pattern of a file in the size asked for, its name, and the reader's findings."""
+    """The crease pattern of a file in the size asked for, its name, and the reader's findings.
+
+    Raises `InvalidFile` for sizes that nothing can be made of.
+    """
+    from fab.formats.coordinate_bounds import require_sheet_size
     from fab.formats.fold_reader import read_pattern
     from fab.outputs import plain_title
     from fab.pattern.crease_pattern import scaled
 
     pattern, findings = read_pattern(file)
-    return scaled(pattern, width_mm=width_mm, factor=scale), plain_title(file.stem), findings
+    pattern = scaled(pattern, width_mm=width_mm, factor=scale)
+    require_sheet_size(file, pattern)
+    return pattern, plain_title(file.stem), findings

@@ -1,109 +1,33 @@
-"""Which faces has the sheet of a FOLD file, and in which of them do its other lines lie?
+"""Faces that a FOLD file lists, and those of them in which its other lines are.
 
-Faces that a file lists hold whatever lies over them: only faces that cannot be parts of one flat
-sheet are refused. Faces that it does not list are found between its edges, which must not cross.
+They hold whatever lies over them: only faces that cannot be parts of one flat sheet are refused.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from fab.errors import Finding, InvalidFile, Severity
-from fab.geometry.planar_graph import (
-    enclosed_faces,
-    first_abutting,
-    first_crossing,
-    without_dangling,
-)
+from fab.errors import Finding, InvalidFile, Severity, first_few
+from fab.formats.lines import Faces, Lines, listed
+from fab.geometry.planar_graph import first_abutting, first_crossing
 from fab.geometry.rings import next_corner, ring_areas
 from fab.pattern.overlap import overlapping_faces
+from solver.graphs import labels
 from solver.mesh import Edges
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [
-    "Faces",
-    "Letters",
-    "Lines",
     "faces_around",
     "given_faces",
-    "listed",
     "overlap_findings",
-    "rebuilt_faces",
     "refuse_abutting",
-    "refuse_open",
     "sides_of_crossed",
 ]
 
-_NAMED = 20
 _MARKED = ("B", "C")
-
-Letters = NDArray[np.str_]
-
-
-@dataclass(frozen=True)
-class Lines:
-    """Edges of a file, each pair of vertices once.
-
-    Attributes
-    ----------
-    path : of the file, for messages.
-    coords : all its vertices, mm, shape (nv, 2).
-    pairs, letters, angles : vertices, assignment, fold angle; shapes (n, 2), (n,), (n,).
-    number : numbers of the edges in the file, shape (n,).
-    """
-
-    path: Path
-    coords: FloatArray
-    pairs: IntArray
-    letters: Letters
-    angles: FloatArray
-    number: IntArray
-
-    def part(self, which: IntArray | BoolArray) -> Lines:
-        """Some of the lines."""
-        return replace(
-            self,
-            pairs=self.pairs[which],
-            letters=self.letters[which],
-            angles=self.angles[which],
-            number=self.number[which],
-        )
-
-    def keys(self, pairs: IntArray | None = None) -> IntArray:
-        """A number for each pair of vertices, whichever of them is first; by default the own."""
-        ends = self.pairs if pairs is None else pairs
-        out: IntArray = ends.min(axis=1) * len(self.coords) + ends.max(axis=1)
-        return out
-
-
-@dataclass(frozen=True)
-class Faces:
-    """Counterclockwise faces, one after another as in a crease pattern.
-
-    number : numbers of the faces in the file, shape (nf,).
-    """
-
-    corners: IntArray
-    offsets: IntArray
-    number: IntArray
-
-    def ring(self, face: int) -> IntArray:
-        """The corners of one face."""
-        return self.corners[self.offsets[face] : self.offsets[face + 1]]
-
-
-def listed(kind: str, numbers: IntArray) -> str:
-    """Such as "edges 3, 5, 8, 9, 12 and 7 more"."""
-    more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-    return f"{kind}{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers[:5]))}{more}"
 
 
 def sides_of_crossed(
@@ -131,9 +55,8 @@ def given_faces(
     offsets: IntArray,
     merged: IntArray,
     rounding: float,
-    findings: list[Finding],
-) -> tuple[Faces, Lines]:
-    """The faces that a file lists, all turned counterclockwise, and the lines that are left.
+) -> tuple[Faces, Lines, list[Finding]]:
+    """The faces that a file lists, all counterclockwise, the lines that are left, and findings.
 
     corners, offsets : of the faces as in the file. merged : for each vertex the one that stands for
     it. rounding : of the coordinates, mm. A face has no area where its corners lie on a line but
@@ -142,6 +65,7 @@ def given_faces(
     Raises `InvalidFile` for faces that cross themselves or that are listed twice, and for two that
     lie on the same side of their common edge, as in a folded sheet.
     """
+    findings = []
     count = len(offsets) - 1
     corners = merged[corners]
     own = np.repeat(np.arange(count), np.diff(offsets))
@@ -177,7 +101,7 @@ def given_faces(
     gone = np.setdiff1d(keys[~kept], keys[kept])
     lines = lines.part(~np.isin(lines.keys(), gone))
     _refuse_broken(lines, faces)
-    return faces, lines
+    return faces, lines, findings
 
 
 def _heights(rings: FloatArray, offsets: IntArray) -> FloatArray:
@@ -194,7 +118,7 @@ def _heights(rings: FloatArray, offsets: IntArray) -> FloatArray:
 
 
 def _of_faces(code: str, severity: Severity, text: str, faces: IntArray) -> Finding:
-    return Finding(code, severity, text, panels=tuple(faces[:_NAMED].tolist()))
+    return Finding(code, severity, text, panels=first_few(faces))
 
 
 def _refuse_broken(lines: Lines, faces: Faces) -> None:
@@ -230,41 +154,6 @@ def _refuse_broken(lines: Lines, faces: Faces) -> None:
     )
 
 
-def rebuilt_faces(lines: Lines, near: float, findings: list[Finding]) -> Faces:
-    """Bounded faces of the edges, less the holes: those with borders alone around them, beyond
-    which there are faces everywhere. They are numbered as they are found.
-
-    near : ends nearer to an edge lie on it, mm. Raises `InvalidFile` for edges that cross, borders
-    with a free end, and lines within a face that do not hang together with its sides.
-    """
-    _refuse_crossings(lines, near)
-    closed = without_dangling(lines.pairs)
-    refuse_open(lines.part(~closed))
-    lines = lines.part(closed)
-    corners, offsets = enclosed_faces(lines.coords, lines.pairs)
-    count = len(offsets) - 1
-    text = f"faces_vertices is missing: {count} faces were found between the edges."
-    findings.append(Finding("faces-rebuilt", Severity.NOTE, text))
-    if not count:
-        return Faces(corners, offsets, np.arange(0))
-    following = corners[next_corner(offsets)]
-    vertices = len(lines.coords)
-    forth = corners * vertices + following
-    back = following * vertices + corners
-    keys = np.sort(lines.pairs[lines.letters == "B"] @ [[vertices, 1], [1, vertices]], axis=None)
-    border = np.isin(forth, keys)
-    inside = np.isin(back, forth)
-    hole = np.logical_and.reduceat(border & inside, offsets[:-1])
-    if hole.any():
-        text = f"{int(hole.sum())} faces with borders on all sides, amid others, are holes."
-        findings.append(Finding("hole", Severity.NOTE, text))
-    sizes = np.diff(offsets)
-    corners = corners[np.repeat(~hole, sizes)]
-    offsets = np.concatenate([[0], np.cumsum(sizes[~hole])])
-    _refuse_islands(lines, corners, offsets)
-    return Faces(corners, offsets, np.arange(len(offsets) - 1))
-
-
 def _refuse_crossings(lines: Lines, near: float) -> None:
     found = first_crossing(lines.coords, lines.pairs, near, np.isin(lines.letters, _MARKED))
     if found is not None:
@@ -274,40 +163,6 @@ def _refuse_crossings(lines: Lines, near: float) -> None:
             f"({x:.6g}, {y:.6g}) mm without a common vertex there. Split both at that point, or "
             "remove one."
         )
-
-
-def refuse_open(lines: Lines) -> None:
-    """Raise `InvalidFile` where one of the lines, sides of no face, is a border."""
-    borders = np.flatnonzero(lines.letters == "B")
-    if len(borders):
-        x, y = lines.coords[lines.pairs[borders[0], 1]]
-        raise InvalidFile(
-            f"{lines.path}: the outline is open at edge {lines.number[borders[0]]}, near "
-            f"({x:.6g}, {y:.6g}) mm. Close it, or make the edge a cut (C)."
-        )
-
-
-def _refuse_islands(lines: Lines, corners: IntArray, offsets: IntArray) -> None:
-    """Faces have no holes: what lies within one must hang together with its sides."""
-    label = _joined(lines.pairs, len(lines.coords))
-    parts, first = np.unique(label[lines.pairs[:, 0]], return_index=True)
-    if len(parts) == 1 or len(offsets) == 1:
-        return
-    point, _ = _within(lines.coords[lines.pairs[first, 0]], lines.coords, corners, offsets)
-    if len(point):
-        edge = first[point.min()]
-        x, y = lines.coords[lines.pairs[edge, 0]]
-        raise InvalidFile(
-            f"{lines.path}: the lines around edge {lines.number[edge]}, near ({x:.6g}, {y:.6g}) "
-            "mm, are an island in a face. Join them to its sides by an edge of assignment J."
-        )
-
-
-def _joined(pairs: IntArray, count: int) -> IntArray:
-    """Number of the connected part of each of `count` vertices."""
-    graph = coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    label: IntArray = connected_components(graph, directed=False)[1]
-    return label
 
 
 def _within(
@@ -371,8 +226,7 @@ def _groups(pairs: IntArray, corners: IntArray, count: int) -> IntArray:
     """Number of the group of each line: those that meet elsewhere than in a corner are one."""
     fresh = count + np.arange(pairs.size).reshape(pairs.shape)
     nodes = np.where(np.isin(pairs, corners), fresh, pairs)
-    out: IntArray = _joined(nodes, count + pairs.size)[nodes[:, 0]]
-    return out
+    return labels(nodes, count + pairs.size)[nodes[:, 0]]
 
 
 def _refuse_place(lines: Lines, around: IntArray, faces: Faces) -> NoReturn:

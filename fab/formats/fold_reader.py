@@ -1,226 +1,291 @@
-"""Which crease pattern does a FOLD file of any program hold, and what had to be repaired?
+"""The crease pattern in a FOLD file of any program, and what had to be repaired.
 
 No folded form is needed. What can be meant in one way only is repaired, with a finding that names
-the edges by their numbers in the file; the rest is refused.
+the edges by their numbers in the file; the rest is refused. Faces that a file lists stay as they
+are, over each other or not; without them, its edges are lines of a drawing to the importer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, Severity
+from fab.errors import Finding, InvalidFile, Severity, counted, first_few
+from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold_faces import (
-    Faces,
-    Letters,
-    Lines,
     faces_around,
     given_faces,
-    listed,
     overlap_findings,
-    rebuilt_faces,
     refuse_abutting,
-    refuse_open,
     sides_of_crossed,
 )
 from fab.formats.fold_frames import (
     Frames,
-    State,
-    flat_coords,
     frame_coords,
     frame_faces,
     frame_list,
+    frame_pairs,
+    frame_title,
     read_frames,
 )
+from fab.formats.importer import (
+    findings_of,
+    imported_lines,
+    pattern_of_sheet,
+    require_no_repairs,
+)
+from fab.formats.line_soup import LETTERS, UNLETTERED, Letters
+from fab.formats.lines import Lines, listed, place_of
+from fab.formats.pattern_file import PatternFile
+from fab.formats.planar_lines import DrawnLines, ranks_of
+from fab.formats.read_options import ReadOptions
+from fab.formats.sheet_pattern import sheet_pattern
+from fab.geometry.arrangement import Arrangement
 from fab.geometry.rings import next_corner
-from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
-from solver.errors import InvalidValue, require_positive
+from fab.pattern.crease_pattern import CreasePattern
+from solver.errors import require_positive
+from solver.graphs import labels
 from solver.mesh import Edges, edges_of
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["PatternFile", "pattern_of", "read_pattern", "read_pattern_file"]
+__all__ = ["PatternFile", "pattern_of", "read_fold", "read_pattern"]
 
 # FOLD 1.2, frame_unit.
 _MM = {"mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4, "pt": 25.4 / 72, "um": 1e-3, "nm": 1e-6}
-_LETTERS = "BMVFUCJ"
-# Stands for the letter of an edge in a file without letters, until its fold angle is known.
-_UNLETTERED = "?"
-# Which of two letters of the same edge says more.
-_RANK = {letter: rank for rank, letter in enumerate(_UNLETTERED + "JUFVMCB")}
-# Over the diagonal: points nearer to each other, or to a line, lie on it.
+_DEFAULT_MM = 1.0
+# Over the diagonal: points nearer to each other, or to a line, are on it.
 _SAME = 1e-8
 # Over the largest coordinate, well above its last digit: what the file's own faces keep apart by
 # more than this stays apart.
 _ROUNDING = 1e-12
-_NAMED = 20
-# Findings about what is as it was written.
-_NO_REPAIRS = ("crease-dangling", "sheet-overlaps")
-# What a crease without an angle (null) folds by, degrees, by its letter.
-_FULLY_FOLDED = {"M": -180.0, "V": 180.0}
-# The side to which a crease folds cannot be measured this near to 180 degrees.
-_SIDELESS_DEG = 1e-3
-
-
-@dataclass(frozen=True)
-class PatternFile:
-    """What was read from a file.
-
-    Attributes
-    ----------
-    title : of the file; empty where it has none.
-    states : other folded shapes than the folded form, by their titles, in mm.
-    findings : what was repaired, assumed or noticed.
-    """
-
-    title: str
-    pattern: CreasePattern
-    states: tuple[State, ...]
-    findings: tuple[Finding, ...]
+# Over the folded form: points of one vertex there may be so far apart.
+_FOLDED_REL = 1e-6
 
 
 def read_pattern(
-    path: str | Path, mm_per_unit: float = 1.0, *, strict: bool = False
+    path: str | Path, mm_per_unit: float | None = None, *, strict: bool = False
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
-    """The pattern and findings of `read_pattern_file`."""
-    read = read_pattern_file(path, mm_per_unit, strict=strict)
+    """The pattern and findings of `read_fold`, in units of so many mm where it names none."""
+    read = read_fold(path, ReadOptions(strict=strict, mm_per_unit=mm_per_unit))
     return read.pattern, read.findings
 
 
-def read_pattern_file(
-    path: str | Path, mm_per_unit: float = 1.0, *, strict: bool = False
-) -> PatternFile:
+def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFile:
     """Read the flat sheet of a FOLD file, in millimetres, its lower left corner at the origin.
 
-    mm_per_unit : size of a unit in files that name none.
-    strict : raise `InvalidFile` with the text of the first finding where anything is repaired or
-        assumed.
-
-    The faces that a file lists may lie over each other; `fab.pieces` sets them apart. Without them
-    they are found between the edges. Fold angles that a file lacks are those of its folded form;
-    where there is none, mountains and valleys fold by 180 degrees.
+    The faces that a file lists may lie over each other; `fab.sheets.pieces` sets them apart.
+    Without them the importer finds them between the edges. Fold angles that a file lacks are those
+    of its folded form; where there is none, mountains and valleys fold by `options.fold_deg`.
 
     Raises `InvalidFile` with the place and the cure, among others for faces that cross themselves,
-    edges with more than two faces, creases that cross where no faces are listed, outlines that are
-    open, fold angles beyond 180 degrees, and two letters for one edge that exclude each other.
-    Codes of the findings:
-    "unit-unknown", "edges-missing", "assignment-missing", "assignment-unknown",
-    "fold-angle-measured", "fold-angle-missing", "fold-angle-contradicts", "zero-length-edge",
-    "duplicate-edge", "vertex-unused", "faces-rebuilt", "hole", "face-clockwise",
-    "face-without-area", "border-unmarked", "border-inside", "folded-form-differs"; and, as no
-    repairs, "crease-dangling", "sheet-overlaps".
+    edges with more than two faces, outlines that are open, borders within the sheet, fold angles
+    beyond 180 degrees, two letters for one edge that exclude each other; and with the first finding
+    where `options.strict` and anything is repaired or assumed.
+
+    Codes of the findings, beside those of the importer (`pattern_of_lines`): "unit-unknown",
+    "several-patterns", "flat-form-taken", "unfolded", "side-assumed", "edges-missing",
+    "assignment-missing", "assignment-unknown", "fold-angle-measured", "fold-angle-missing",
+    "fold-angle-contradicts", "zero-length-edge", "duplicate-edge", "vertices-merged",
+    "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area", "border-unmarked",
+    "border-inside", "folded-form-differs"; and, as no repairs, "crease-dangling", "frame-turned",
+    "hole", "sheet-overlaps".
     """
+    options = ReadOptions() if options is None else options
     file = Path(path)
-    return pattern_of(file, read_frames(file), mm_per_unit, strict=strict)
+    return pattern_of(file, read_frames(file, options), options)
 
 
-def pattern_of(
-    file: Path, frames: Frames, mm_per_unit: float = 1.0, *, strict: bool = False
-) -> PatternFile:
-    """As `read_pattern_file`, from the frames of a file; its name stands in the messages."""
-    require_positive("mm_per_unit", mm_per_unit)
-    findings: list[Finding] = []
+def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
+    """As `read_fold`, from the frames of a file, whose name is in the messages."""
+    findings = list(frames.findings)
     flat = frames.flat
-    scale = _scale(file, flat, mm_per_unit, findings)
-    coords = flat_coords(file, flat)[:, :2] * scale
+    scale, found = _scale(file, flat, options)
+    findings += found
+    coords = frames.coords * scale
+    require_range(file, coords, "crease pattern in mm")
     count = len(coords)
     forms = [frame for frame in (frames.folded, *frames.states) if frame is not None]
-    shapes = [_folded(file, frame, count, scale, findings) for frame in forms]
+    shapes = []
+    for frame in forms:
+        shape, found = _folded(file, frame, count, scale)
+        shapes.append(shape)
+        findings += found
     folded = shapes[0] if frames.folded is not None else None
     rows = flat.get("faces_vertices")
-    listed_faces = frame_faces(file, rows, count) if rows else None
-    pairs = _pairs(file, flat, count, listed_faces, findings)
-    letters = _letters(file, flat, len(pairs), findings)
-    angles = _stored_angles(file, flat, len(pairs))
-    near = _SAME * float(np.hypot(*np.ptp(coords, axis=0)))
-    rounding = _ROUNDING * float(np.abs(coords).max())
-    reach = np.full(len(pairs), near)
-    if listed_faces is not None:
-        crossed = sides_of_crossed(coords, *listed_faces, pairs)
-        reach = np.where(crossed, near, rounding)
-    kept, pairs, merged = _distinct(file, coords, pairs, letters, reach, findings)
-    number = np.flatnonzero(kept)
-    lines = Lines(file, coords, pairs[kept], letters[kept], angles[kept], number)
-    if listed_faces is not None:
-        faces, lines = given_faces(lines, *listed_faces, merged, rounding, findings)
+    faces = frame_faces(file, rows, count) if rows else None
+    lines, merged, found = _lines(file, flat, coords, faces)
+    findings += found
+    none_given = "" if flat.get("edges_foldAngle") else "edges_foldAngle is missing"
+    if faces is None:
+        drawn = DrawnLines(coords[lines.pairs], lines, lines.pairs)
+        sheet, planar = imported_lines(drawn, options, joins_runs=False)
+        count_faces = counted(len(sheet.faces.number), "face")
+        text = f"faces_vertices is missing: {count_faces} found between the edges."
+        findings.append(Finding("faces-rebuilt", Severity.NOTE, text))
+        source, found = _vertices_merged(lines, planar.graph)
+        findings += found
+        moved = []
+        for shape in shapes:
+            shape, found = _moved(shape, lines, planar.graph)
+            moved.append(shape)
+            findings += found
+        shapes = moved
+        folded = shapes[0] if frames.folded is not None else None
+        made = pattern_of_sheet(sheet, folded, options, none_given=none_given)
+        findings += findings_of(sheet, made)
+        unused = np.setdiff1d(np.arange(count), [*np.unique(lines.pairs), *source])
     else:
-        faces = rebuilt_faces(lines, near, findings)
-    corners, offsets = faces.corners, faces.offsets
-    if not len(faces.number):
-        raise InvalidFile(f"{file}: its edges enclose no face. Draw the outline of the sheet.")
-    edges = edges_of(corners, offsets)
-    source = _places(lines, edges.edges_vertices)
-    alone = edges.edges_faces[:, 1] < 0
-    if folded is None:  # it tells lips from what was torn apart
-        sides = replace(lines.part(source[alone]), pairs=edges.edges_vertices[alone])
-        refuse_abutting(sides, near)
-    loose = np.setdiff1d(np.arange(len(lines.pairs)), source)
-    lines = lines.part(np.concatenate([source, loose]))
-    within = faces_around(lines, faces, edges.edges_faces, near)
-    edges_faces = np.concatenate([edges.edges_faces, np.column_stack([within, within])])
-    rest = lines.part(np.arange(len(source), len(lines.pairs)))
-    refuse_open(rest)
-    _note_loose(rest.number, findings)
-    findings += overlap_findings(lines, faces, edges)
-    lines = _with_angles(lines, faces, edges, folded, flat, findings)
-    letters = _with_borders(lines.letters, edges_faces, lines.number, findings)
-    angles = np.where(np.isin(letters, ["M", "V", "U"]), lines.angles, 0.0)
-    edges_vertices = np.concatenate([edges.edges_vertices, rest.pairs])
-    used, edges_vertices, corners = _used(count, edges_vertices, corners, merged, findings)
-    coords = coords[used]
+        rounding = _ROUNDING * float(np.abs(coords).max())
+        near = _SAME * _diagonal(coords)
+        given, lines, found = given_faces(lines, *faces, merged, rounding)
+        findings += found
+        if not len(given.number):
+            raise InvalidFile(f"{file}: its edges enclose no face. Draw the outline of the sheet.")
+        if folded is None:  # it tells lips from what was torn apart
+            _refuse_abutting(lines, edges_of(given.corners, given.offsets), near)
+
+        def around(ordered: Lines, edges_faces: IntArray) -> IntArray:
+            return faces_around(ordered, given, edges_faces, near)
+
+        made = sheet_pattern(lines, given, around, folded, options, none_given=none_given)
+        findings += overlap_findings(made.lines, given, made.edges)
+        findings += made.findings
+        unused = np.flatnonzero(~made.used)
+    unused = unused[merged[unused] == unused]
+    if len(unused):
+        noun = counted(len(unused), "vertex", "vertices")
+        text = f"{noun} without edges, the first is {unused[0]}: removed."
+        findings.append(Finding("vertex-unused", Severity.NOTE, text))
     states = [
-        (str(frame.get("frame_title", "")), shape[used])
+        (frame_title(frame), shape[made.used])
         for frame, shape in zip(forms, shapes, strict=True)
         if shape is not None and frame is not frames.folded
     ]
-    pattern = CreasePattern(
-        coords - coords.min(axis=0),
-        edges_vertices,
-        edges_faces,
-        letters,
-        angles,
-        corners,
-        offsets,
-        None if folded is None else folded[used],
+    require_no_repairs(file, findings, options)
+    return PatternFile(frames.title, made.pattern, tuple(states), tuple(findings), frames.patterns)
+
+
+def _diagonal(coords: FloatArray) -> float:
+    return float(np.hypot(*np.ptp(coords, axis=0)))
+
+
+def _lines(
+    file: Path, flat: dict[str, Any], coords: FloatArray, faces: tuple[IntArray, IntArray] | None
+) -> tuple[Lines, IntArray, list[Finding]]:
+    """Edges of the file, each once and with length, the vertex that stands for each, findings."""
+    pairs, findings = _pairs(file, flat, len(coords), faces)
+    letters, found = _letters(file, flat, len(pairs))
+    findings += found
+    angles = _stored_angles(file, flat, len(pairs))
+    near = _SAME * _diagonal(coords)
+    reach = np.full(len(pairs), near)
+    if faces is not None:
+        crossed = sides_of_crossed(coords, *faces, pairs)
+        reach = np.where(crossed, near, _ROUNDING * float(np.abs(coords).max()))
+    kept, pairs, merged, found = _distinct(file, coords, pairs, letters, reach)
+    findings += found
+    number = np.flatnonzero(kept)
+    place = np.arange(len(number))
+    lines = Lines(file, coords, pairs[kept], letters[kept], angles[kept], number, place)
+    return lines, merged, findings
+
+
+def _refuse_abutting(lines: Lines, edges: Edges, near: float) -> None:
+    alone = edges.edges_vertices[edges.edges_faces[:, 1] < 0]
+    keys, wanted = lines.keys(), lines.keys(alone)
+    order = np.argsort(keys)
+    place = order[np.searchsorted(keys[order], wanted).clip(max=len(keys) - 1)]
+    known = keys[place] == wanted
+    refuse_abutting(replace(lines.part(place[known]), pairs=alone[known]), near)
+
+
+def _vertices_merged(lines: Lines, graph: Arrangement) -> tuple[IntArray, list[Finding]]:
+    """Vertices of the file that stand in the pattern, and what is reported of the others."""
+    ends = graph.ends_vertex[: len(lines.pairs)]  # a hull may follow
+    named = ends >= 0
+    source = np.full(len(graph.vertices_coords), len(lines.coords))
+    np.minimum.at(source, ends[named], lines.pairs[named])
+    gone = np.setdiff1d(lines.pairs[named], source)
+    if not len(gone):
+        return source, []
+    place = place_of(lines.coords[gone[0]])
+    several = len(gone) > 1
+    text = (
+        f"{listed('vertex', gone, 'vertices')} in the {'places' if several else 'place'} of "
+        f"{'others' if several else 'another'}, the first at {place}: merged."
     )
-    repairs = [finding for finding in findings if finding.code not in _NO_REPAIRS]
-    if strict and repairs:
-        raise InvalidFile(f"{file}: {repairs[0].text}")
-    return PatternFile(frames.title, pattern, tuple(states), tuple(findings))
+    return source, [Finding("vertices-merged", Severity.WARNING, text)]
+
+
+def _moved(
+    shape: FloatArray | None, lines: Lines, graph: Arrangement
+) -> tuple[FloatArray | None, list[Finding]]:
+    """A folded shape for the vertices of the planar graph: new ones are between those of edges."""
+    if shape is None:
+        return None, []
+    count = len(graph.vertices_coords)
+    line, edge = graph.line_pairs
+    drawn = line < len(lines.pairs)  # a hull may follow
+    line, vertex = np.repeat(line[drawn], 2), graph.edges_vertices[edge[drawn]].ravel()
+    start, end = graph.lines_coords[line].swapaxes(0, 1)
+    span = end - start
+    share = ((graph.vertices_coords[vertex] - start) * span).sum(axis=1) / (span**2).sum(axis=1)
+    ends = graph.ends_vertex[line]
+    share = np.where(vertex == ends[:, 0], 0.0, np.where(vertex == ends[:, 1], 1.0, share))
+    first, second = shape[lines.pairs[line]].swapaxes(0, 1)
+    exact = np.where((share == 1.0)[:, None], second, first)
+    points = np.where(
+        ((share == 0.0) | (share == 1.0))[:, None], exact, first + share[:, None] * (second - first)
+    )
+    out = np.zeros((count, 3))
+    out[vertex[::-1]] = points[::-1]
+    apart = np.sqrt(((points - out[vertex]) ** 2).sum(axis=1))
+    size = float(np.sqrt((np.ptp(shape, axis=0) ** 2).sum()))
+    if apart.max(initial=0.0) <= _FOLDED_REL * size:
+        return out, []
+    worst = int(vertex[int(apart.argmax())])
+    text = (
+        f"edges that meet at {place_of(graph.vertices_coords[worst])} in the flat sheet are up to "
+        f"{apart.max():.3g} mm apart in the folded form: the folded form is left out."
+    )
+    return None, [Finding("folded-form-differs", Severity.WARNING, text)]
 
 
 def _folded(
-    path: Path, frame: dict[str, Any], count: int, scale: float, findings: list[Finding]
-) -> FloatArray | None:
+    path: Path, frame: dict[str, Any], count: int, scale: float
+) -> tuple[FloatArray | None, list[Finding]]:
     """Points of a folded frame in mm, shape (nv, 3); None where they do not fit.
 
     scale : of the flat sheet, for frames that name no unit.
     """
-    title = str(frame.get("frame_title") or "folded form")
+    title = frame_title(frame) or "folded form"
     coords = frame_coords(path, frame, title)
     if len(coords) == count:
         named = frame.get("frame_unit", "unit") != "unit"
-        return coords * (_mm(path, frame) if named else scale)
+        return coords * (_mm(path, frame) if named else scale), []
     text = f"the {title} has {len(coords)} vertices, the flat sheet {count}: it is left out."
-    findings.append(_finding("folded-form-differs", Severity.WARNING, text))
-    return None
+    return None, [_finding("folded-form-differs", Severity.WARNING, text)]
 
 
 def _finding(
     code: str, severity: Severity, text: str, edges: IntArray | Sequence[int] = ()
 ) -> Finding:
-    return Finding(code, severity, text, creases=tuple(int(e) for e in edges[:_NAMED]))
+    return Finding(code, severity, text, creases=first_few(edges))
 
 
-def _scale(path: Path, frame: dict[str, Any], mm_per_unit: float, findings: list[Finding]) -> float:
+def _scale(path: Path, frame: dict[str, Any], options: ReadOptions) -> tuple[float, list[Finding]]:
+    if options.mm_per_unit is not None:
+        require_positive("mm_per_unit", options.mm_per_unit)
     if frame.get("frame_unit", "unit") != "unit":
-        return _mm(path, frame)
-    text = f"the file names no unit: one unit is taken for {mm_per_unit:g} mm."
-    findings.append(_finding("unit-unknown", Severity.NOTE, text))
-    return mm_per_unit
+        return _mm(path, frame), []
+    if options.mm_per_unit is not None:
+        return options.mm_per_unit, []
+    text = f"the file names no unit: one unit is taken for {_DEFAULT_MM:g} mm."
+    return _DEFAULT_MM, [_finding("unit-unknown", Severity.NOTE, text)]
 
 
 def _mm(path: Path, frame: dict[str, Any]) -> float:
@@ -231,50 +296,30 @@ def _mm(path: Path, frame: dict[str, Any]) -> float:
 
 
 def _pairs(
-    path: Path,
-    frame: dict[str, Any],
-    count: int,
-    faces: tuple[IntArray, IntArray] | None,
-    findings: list[Finding],
-) -> IntArray:
-    rows = frame_list(path, frame, "edges_vertices", [])
-    if not rows:
-        if faces is None:
-            raise InvalidFile(f"{path}: edges_vertices is missing. Export the file with its edges.")
-        for key in ("edges_assignment", "edges_foldAngle"):
-            if frame.get(key):
-                raise InvalidFile(
-                    f"{path}: edges_vertices is missing, so that nobody knows which edges {key} is "
-                    f"of. Export the file with its edges, or remove {key}."
-                )
-        corners, offsets = faces
-        text = "edges_vertices is missing: the edges are those of the faces."
-        findings.append(_finding("edges-missing", Severity.WARNING, text))
-        sides = np.sort(np.column_stack([corners, corners[next_corner(offsets)]]), axis=1)
-        return np.unique(sides, axis=0)
-    try:
-        pairs = np.array(rows)
-    except (ValueError, OverflowError):
-        pairs = np.array(["ragged"])
-    if pairs.shape != (len(rows), 2) or pairs.dtype.kind != "i":
-        for number, row in enumerate(rows):
-            if not isinstance(row, list) or len(row) != 2 or any(type(v) is not int for v in row):
-                raise InvalidFile(f"{path}: edge {number} must have two vertex numbers.")
-    bad = np.flatnonzero(((pairs < 0) | (pairs >= count)).any(axis=1))
-    if len(bad):
-        raise InvalidFile(
-            f"{path}: edge {bad[0]} names the vertices {pairs[bad[0]].tolist()}; vertices run from "
-            f"0 to {count - 1}."
-        )
-    return pairs.astype(np.int64)
+    path: Path, frame: dict[str, Any], count: int, faces: tuple[IntArray, IntArray] | None
+) -> tuple[IntArray, list[Finding]]:
+    if frame_list(path, frame, "edges_vertices", []):
+        return frame_pairs(path, frame, count), []
+    if faces is None:
+        raise InvalidFile(f"{path}: edges_vertices is missing. Export the file with its edges.")
+    for key in ("edges_assignment", "edges_foldAngle"):
+        if frame.get(key):
+            raise InvalidFile(
+                f"{path}: edges_vertices is missing, so that nobody knows which edges {key} is "
+                f"of. Export the file with its edges, or remove {key}."
+            )
+    corners, offsets = faces
+    text = "edges_vertices is missing: the edges are those of the faces."
+    sides = np.sort(np.column_stack([corners, corners[next_corner(offsets)]]), axis=1)
+    return np.unique(sides, axis=0), [_finding("edges-missing", Severity.WARNING, text)]
 
 
-def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Finding]) -> Letters:
+def _letters(path: Path, frame: dict[str, Any], count: int) -> tuple[Letters, list[Finding]]:
     found = frame_list(path, frame, "edges_assignment", [])
     if not found:
         text = "edges_assignment is missing: mountains and valleys are those of the fold angles."
-        findings.append(_finding("assignment-missing", Severity.WARNING, text))
-        return np.full(count, _UNLETTERED)
+        found_none = _finding("assignment-missing", Severity.WARNING, text)
+        return np.full(count, UNLETTERED), [found_none]
     if len(found) != count:
         raise InvalidFile(
             f"{path}: {len(found)} entries of edges_assignment for {count} edges. Give one for "
@@ -282,17 +327,18 @@ def _letters(path: Path, frame: dict[str, Any], count: int, findings: list[Findi
         )
     given = np.array([str(letter) for letter in found])
     upper = np.char.upper(given)
-    unknown = ~np.isin(upper, list(_LETTERS))
+    unknown = ~np.isin(upper, list(LETTERS))
     odd = np.flatnonzero(unknown | (given != upper))
+    findings = []
     if len(odd):
         severity = Severity.WARNING if unknown.any() else Severity.NOTE
         text = (
             f"{listed('edge', odd)}: the assignment {found[odd[0]]!r} is none of "
-            f"{', '.join(_LETTERS)}; lower case is taken for upper case, anything else for U "
+            f"{', '.join(LETTERS)}; lower case is taken for upper case, anything else for U "
             "(unassigned, not cut)."
         )
         findings.append(_finding("assignment-unknown", severity, text, odd))
-    return np.where(unknown, "U", upper).astype("U1")
+    return np.where(unknown, "U", upper).astype("U1"), findings
 
 
 def _stored_angles(path: Path, frame: dict[str, Any], count: int) -> FloatArray:
@@ -308,66 +354,9 @@ def _stored_angles(path: Path, frame: dict[str, Any], count: int) -> FloatArray:
     for number, angle in enumerate(found):
         if angle is not None and not (type(angle) in (int, float) and -180 <= angle <= 180):
             raise InvalidFile(
-                f"{path}: fold angle {angle} of edge {number} must lie from -180 to 180 degrees."
+                f"{path}: fold angle {angle} of edge {number} must be from -180 to 180 degrees."
             )
     return np.array([np.nan if angle is None else angle for angle in found], float)
-
-
-def _with_angles(
-    lines: Lines,
-    faces: Faces,
-    edges: Edges,
-    folded: FloatArray | None,
-    frame: dict[str, Any],
-    findings: list[Finding],
-) -> Lines:
-    """The lines with letters and fold angles that agree, the sides of the faces first."""
-    letters, angles = lines.letters, lines.angles
-    default = np.select([letters == letter for letter in _FULLY_FOLDED], [*_FULLY_FOLDED.values()])
-    unlettered = letters == _UNLETTERED
-    border = np.zeros(len(letters), bool)
-    border[: len(edges.edges_faces)] = edges.edges_faces[:, 1] < 0
-    lacking = np.isnan(angles) & ((default != 0) | (letters == "U") | unlettered)
-    lacking &= ~border
-    if folded is not None and lacking.any():
-        measured = np.full(len(angles), np.nan)
-        measured[: len(edges.edges_faces)] = _measured(lines.path, faces, edges, folded)
-        sideless = (default != 0) & (np.abs(measured) > 180 - _SIDELESS_DEG)
-        measured[sideless] = default[sideless]
-        which = np.sort(lines.number[lacking & ~np.isnan(measured)])
-        text = f"{listed('edge', which)} without fold angle: that of the folded form is taken."
-        findings.append(_finding("fold-angle-measured", Severity.NOTE, text, which))
-        angles = np.where(lacking, measured, angles)
-    missing = np.sort(lines.number[np.isnan(angles) & (default != 0)])
-    if len(missing):
-        text = f"{listed('edge', missing)} without fold angle: folded by 180 degrees."
-        if not frame.get("edges_foldAngle"):
-            text = "edges_foldAngle is missing: mountains and valleys fold by 180 degrees."
-            missing = missing[:0]
-        findings.append(_finding("fold-angle-missing", Severity.NOTE, text, missing))
-    signed = np.where(angles > 0, "V", np.where(angles < 0, "M", "F"))
-    signed = np.where(border, "B", np.where(np.isnan(angles), "U", signed))
-    letters = np.where(unlettered, signed, letters)
-    angles = np.where(np.isnan(angles), default, angles)
-    wrong = np.flatnonzero((angles * default < 0) | ((letters == "F") & (angles != 0)))
-    if len(wrong):
-        wrong = wrong[np.argsort(lines.number[wrong])]
-        text = (
-            f"{listed('edge', lines.number[wrong])}: the sign of the fold angle "
-            f"({angles[wrong[0]]:g}) contradicts the assignment {letters[wrong[0]]}; the "
-            "assignment holds."
-        )
-        code = "fold-angle-contradicts"
-        findings.append(_finding(code, Severity.WARNING, text, lines.number[wrong]))
-        angles[wrong] = np.sign(default[wrong]) * np.abs(angles[wrong])
-    return replace(lines, letters=letters, angles=angles)
-
-
-def _measured(path: Path, faces: Faces, edges: Edges, folded: FloatArray) -> FloatArray:
-    try:
-        return fold_angles_deg(folded, edges, faces.corners, faces.offsets)
-    except InvalidValue as error:
-        raise InvalidFile(f"{path}: folded form: {error}") from error
 
 
 def _distinct(
@@ -376,21 +365,16 @@ def _distinct(
     pairs: IntArray,
     letters: Letters,
     reach: FloatArray,
-    findings: list[Finding],
-) -> tuple[BoolArray, IntArray, IntArray]:
-    """Which edges stay, their vertices, and for each vertex the one that stands for it.
+) -> tuple[BoolArray, IntArray, IntArray, list[Finding]]:
+    """Which edges stay, their vertices, for each vertex the one that stands for it, and findings.
 
     reach : edges that are no longer than this have no length, mm, shape (n,).
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
+    findings = []
     merged = np.arange(len(coords))
     short = np.hypot(*(coords[pairs[:, 1]] - coords[pairs[:, 0]]).T) <= reach
     if short.any():
-        one, two = pairs[short].T
-        graph = coo_array((np.ones(len(one)), (one, two)), shape=(len(coords), len(coords)))
-        _, label = connected_components(graph, directed=False)
+        label = labels(pairs[short], len(coords))
         _, first = np.unique(label, return_index=True)
         merged = first[label]
         pairs = merged[pairs]
@@ -399,74 +383,19 @@ def _distinct(
         findings.append(_finding("zero-length-edge", Severity.WARNING, text, which))
     kept = pairs[:, 0] != pairs[:, 1]
     key = pairs.min(axis=1) * len(coords) + pairs.max(axis=1)
-    known = sorted(_RANK)
-    ranks = np.array([_RANK[letter] for letter in known])[np.searchsorted(known, letters)]
-    order = np.lexsort((np.arange(len(key)), -ranks, key))
+    order = np.lexsort((np.arange(len(key)), -ranks_of(letters), key))
     order = order[kept[order]]
     repeated = np.flatnonzero(key[order][1:] == key[order][:-1]) + 1
     for again in repeated.tolist():
-        one, two = order[again - 1], order[again]
-        if {str(letters[one]), str(letters[two])} == {"M", "V"}:
+        first_edge, second = order[again - 1], order[again]
+        if {str(letters[first_edge]), str(letters[second])} == {"M", "V"}:
             raise InvalidFile(
-                f"{path}: edges {two} and {one} join the same vertices, {letters[two]} and "
-                f"{letters[one]}. Remove one of them."
+                f"{path}: edges {second} and {first_edge} join the same vertices, "
+                f"{letters[second]} and {letters[first_edge]}. Remove one of them."
             )
     if len(repeated):
         which = np.sort(order[repeated])
         kept[which] = False
         text = f"{listed('edge', which)}: a second edge between the same vertices; removed."
         findings.append(_finding("duplicate-edge", Severity.WARNING, text, which))
-    return kept, pairs, merged
-
-
-def _places(lines: Lines, sides: IntArray) -> IntArray:
-    """Which of the lines each side of the faces is."""
-    keys, wanted = lines.keys(), lines.keys(sides)
-    order = np.argsort(keys)
-    place: IntArray = order[np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)]
-    lacking = np.flatnonzero(keys[place] != wanted)
-    if len(lacking):
-        one, two = sides[lacking[0]]
-        raise InvalidFile(
-            f"{lines.path}: edges_vertices lacks the side ({one}, {two}) of a face. Add it."
-        )
-    return place
-
-
-def _note_loose(number: IntArray, findings: list[Finding]) -> None:
-    if len(number):
-        names = listed("edge", np.sort(number))
-        text = f"{names} ends within a face: it can be cut, but not folded flat."
-        findings.append(_finding("crease-dangling", Severity.WARNING, text, np.sort(number)))
-
-
-def _with_borders(
-    letters: Letters, edges_faces: IntArray, number: IntArray, findings: list[Finding]
-) -> Letters:
-    """B on all edges with one face, and on no others."""
-    alone = edges_faces[:, 1] < 0
-    unmarked = np.sort(number[alone & (letters != "B")])
-    if len(unmarked):
-        text = f"{listed('edge', unmarked)} with a face on one side alone: taken for border (B)."
-        findings.append(_finding("border-unmarked", Severity.WARNING, text, unmarked))
-    inside = np.sort(number[~alone & (letters == "B")])
-    if len(inside):
-        text = (
-            f"{listed('edge', inside)}: a border with faces on both sides is taken for a cut (C)."
-        )
-        findings.append(_finding("border-inside", Severity.WARNING, text, inside))
-    return np.where(alone, "B", np.where(letters == "B", "C", letters))
-
-
-def _used(
-    count: int, pairs: IntArray, corners: IntArray, merged: IntArray, findings: list[Finding]
-) -> tuple[BoolArray, IntArray, IntArray]:
-    """Which vertices are the end of an edge; pairs and corners with these numbered anew."""
-    used = np.zeros(count, bool)
-    used[pairs] = True
-    unused = np.flatnonzero(~used & (merged == np.arange(count)))
-    if len(unused):
-        text = f"{len(unused)} vertices without edges, the first is {unused[0]}: removed."
-        findings.append(_finding("vertex-unused", Severity.NOTE, text))
-    place = np.cumsum(used) - 1
-    return used, place[pairs], place[corners]
+    return kept, pairs, merged, findings

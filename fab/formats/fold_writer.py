@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from fab.formats.face_orders import face_orders
-from fab.formats.fold_frames import _STATE, State
+from fab.formats.fold_frames import STATE_KEY
+from fab.formats.pattern_file import State
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
 from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray
@@ -25,7 +26,7 @@ def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ())
         Raises `InvalidValue` for points that do not fit, or faces without area.
 
     Coordinates are written with all digits, so that reading gives the same arrays back. A folded
-    form that lies in a plane has `faceOrders`, for the pairs that `fab.face_orders` can tell.
+    form in a plane has `faceOrders`, for the pairs whose order `face_orders` knows.
     """
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     corners = pattern.faces_vertices.tolist()
@@ -53,7 +54,7 @@ def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ())
     for name, coords in states:
         _require_points(name, coords, len(flat))
         angles = _angles_of(pattern, coords).tolist()
-        frames.append({**_folded_frame(name, coords), _STATE: True, "edges_foldAngle": angles})
+        frames.append({**_folded_frame(name, coords), STATE_KEY: True, "edges_foldAngle": angles})
     if frames:
         document["file_frames"] = frames
     lines = [f"{json.dumps(key)}: {_value(value)}" for key, value in document.items()]

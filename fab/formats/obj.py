@@ -1,4 +1,4 @@
-"""How is a mesh of polygons read from, and written to, an OBJ file?"""
+"""Meshes of polygons in OBJ files."""
 
 from __future__ import annotations
 

@@ -9,44 +9,59 @@ import numpy as np
 from fab.geometry.rings import ring_areas
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["enclosed_faces", "first_abutting", "first_crossing", "without_dangling"]
+__all__ = [
+    "enclosed_faces",
+    "first_abutting",
+    "first_crossing",
+    "walks_of",
+    "without_dangling",
+]
 
 _CHUNK = 100_000
 
 
 def without_dangling(edges_vertices: IntArray) -> BoolArray:
     """Which edges are left when edges with a free end are removed, again and again, (ne,)."""
+    if not len(edges_vertices):
+        return np.zeros(0, bool)
+    ends = edges_vertices.ravel()
+    degree = np.bincount(ends)
+    # of a vertex with one edge left, the exclusive or of its edges is that edge
+    rest = np.zeros(len(degree), np.int64)
+    np.bitwise_xor.at(rest, ends, np.repeat(np.arange(len(edges_vertices)), 2))
     kept = np.ones(len(edges_vertices), bool)
-    while kept.any():
-        degree = np.bincount(edges_vertices[kept].ravel(), minlength=int(edges_vertices.max()) + 1)
-        free = kept & (degree[edges_vertices] == 1).any(axis=1)
-        if not free.any():
-            break
-        kept &= ~free
+    free = np.flatnonzero(degree == 1).tolist()
+    while free:
+        vertex = free.pop()
+        if degree[vertex] != 1:
+            continue
+        edge = rest[vertex]
+        kept[edge] = False
+        for end in edges_vertices[edge].tolist():
+            degree[end] -= 1
+            rest[end] ^= edge
+            if degree[end] == 1:
+                free.append(end)
     return kept
 
 
-def enclosed_faces(
+def walks_of(
     vertices_coords: FloatArray, edges_vertices: IntArray
-) -> tuple[IntArray, IntArray]:
-    """All bounded faces of a planar graph, counterclockwise: corners and offsets.
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Walks along all edges of a planar graph: corners and offsets, and the walk of each side.
 
     Each edge is walked once in either direction; at its end the walk goes on along the next edge
-    clockwise from the one it came by, so that the face stays on its left (Muller and Preparata
-    1978, doubly connected edge lists). Walks around a whole component run clockwise and are left
-    out. Edges must not cross; edges with a free end make a face pass its vertices twice.
+    clockwise from the one it came by, so that a face stays on its left (Muller and Preparata
+    1978, doubly connected edge lists). Walks around a whole component run clockwise.
 
-    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    >>> lines = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]])
-    >>> corners, offsets = enclosed_faces(square, lines)
-    >>> corners.tolist(), offsets.tolist()
-    ([0, 1, 2, 2, 3, 0], [0, 3, 6])
+    The walk on the left of edge e is the third array's entry e, that on its right entry ne + e.
+    Edges must not cross; edges with a free end make a walk pass its vertices twice.
     """
     start = edges_vertices.T.ravel()
     end = edges_vertices[:, ::-1].T.ravel()
     count = len(start)
     if not count:
-        return np.empty(0, np.int64), np.zeros(1, np.int64)
+        return np.empty(0, np.int64), np.zeros(1, np.int64), np.empty(0, np.int64)
     twin = np.roll(np.arange(count), count // 2)
     along = vertices_coords[end] - vertices_coords[start]
     order = np.lexsort((np.arctan2(along[:, 1], along[:, 0]), start))
@@ -57,7 +72,7 @@ def enclosed_faces(
     back = place[twin]  # of the half edge that runs back, among those that begin at the end
     following = order[np.where(back == first[end], last[end], back - 1)].tolist()
     seen = np.zeros(count, bool).tolist()
-    walks: list[int] = []
+    steps: list[int] = []
     offsets = [0]
     for begin in range(count):
         if seen[begin]:
@@ -65,10 +80,29 @@ def enclosed_faces(
         step = begin
         while not seen[step]:
             seen[step] = True
-            walks.append(step)
+            steps.append(step)
             step = following[step]
-        offsets.append(len(walks))
-    corners, bounds = start[walks], np.array(offsets)
+        offsets.append(len(steps))
+    bounds = np.array(offsets)
+    walk = np.empty(count, np.int64)
+    walk[steps] = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
+    return start[steps], bounds, walk
+
+
+def enclosed_faces(
+    vertices_coords: FloatArray, edges_vertices: IntArray
+) -> tuple[IntArray, IntArray]:
+    """All bounded faces of a planar graph, counterclockwise: corners and offsets.
+
+    See `walks_of`; walks around a whole component are left out.
+
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> lines = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]])
+    >>> corners, offsets = enclosed_faces(square, lines)
+    >>> corners.tolist(), offsets.tolist()
+    ([0, 1, 2, 2, 3, 0], [0, 3, 6])
+    """
+    corners, bounds, _ = walks_of(vertices_coords, edges_vertices)
     bounded = ring_areas(vertices_coords[corners], bounds) > 0
     sizes = np.diff(bounds)
     return corners[np.repeat(bounded, sizes)], np.concatenate([[0], np.cumsum(sizes[bounded])])

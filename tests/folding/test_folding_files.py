@@ -19,7 +19,7 @@ from fab.folding.folding_files import SimulationFormat, simulate
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.verdict import judge
-from fab.formats.fold_reader import read_pattern, read_pattern_file
+from fab.formats.fold_reader import read_fold, read_pattern
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
 from fab.pattern.kinematics import fold_by_angles
@@ -77,7 +77,7 @@ def test_the_files_of_a_simulation_hold_its_states(tmp_path):
     assert "folds to its target" in result.output
     names = ["miura_folding.fold", "miura_folding.gif", "miura_folding.json", "miura_folding.png"]
     assert sorted(p.name for p in tmp_path.iterdir()) == names
-    found = read_pattern_file(tmp_path / "miura_folding.fold")
+    found = read_fold(tmp_path / "miura_folding.fold")
     assert len(found.states) == 4
     saved = json.loads((tmp_path / "miura_folding.json").read_text())
     loads = [point["load"] for point in saved["verdict"]["path"]]
@@ -265,7 +265,7 @@ def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
         data = made.files["sheet_folding.fold"]
         assert len(json.loads(data)["file_frames"]) == 11
         (tmp_path / "x.fold").write_bytes(data)
-        found = read_pattern_file(tmp_path / "x.fold")
+        found = read_fold(tmp_path / "x.fold")
         form, last = found.pattern.folded_coords, found.states[-1][1]
         size = np.linalg.norm(np.ptp(form, axis=0))
         off = np.linalg.norm(aligned(last, form) - form, axis=1).max() / size

@@ -207,13 +207,12 @@ def test_angles_that_do_not_close_are_told_with_their_place(here):
 @pytest.mark.parametrize(
     ("words", "match"),
     [
-        (["lone.fold"], "give one FOLD file, or two OBJ files"),
+        (["lone.fold"], "give one file, or two OBJ files"),
         (["good.fold", "out.stl"], "out.stl: must end in .fold, .svg or .obj"),
-        (["good.fold", "good.fold", "--out", "x.fold"], "give one FOLD file, or two OBJ"),
+        (["good.fold", "good.fold", "--out", "x.fold"], "give one file, or two OBJ"),
         (["good.fold", "out.obj"], "no folded form to write"),
         (["missing.fold", "out.fold"], "cannot be read"),
-        (["one.obj", "out.fold"], "one OBJ file is half of a sheet"),
-        (["half_flat.obj", "out.fold"], "half_fold.obj: missing"),
+        (["cone.obj", "out.fold"], "vertex 0 not flat, the angles around the first add up to 240"),
         (["one.obj", "three.obj", "out.fold"], "3 vertices, but one.obj has 4"),
         (["fin.obj", "fin.obj", "out.fold"], "faces 1 and 2 lie on the same side"),
         (["good.fold", "one.obj/out.fold"], "is a file, not a folder"),
@@ -223,7 +222,9 @@ def test_bad_conversions_name_the_cure_and_write_nothing(here, words, match):
     square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
     (here / "good.fold").write_bytes(fold_bytes(fan(6, 10.0), "fan"))
     (here / "one.obj").write_text(square)
-    (here / "half_flat.obj").write_text(square)
+    (here / "cone.obj").write_text(
+        "v 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n"
+    )
     (here / "three.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
     (here / "fin.obj").write_text(square + "v 0.5 1 0\nf 1 3 5\n")
     before = names_in(here)
@@ -237,7 +238,7 @@ def test_conversion_from_python_needs_no_command_line(tmp_path):
     read = read_any([PATTERNS / "yoshimura.fold"])
     write(convert(read, tmp_path / "y.svg"), tmp_path)
     assert names_in(tmp_path) == ["y.svg"]
-    with pytest.raises(InvalidJob, match="no file: give one FOLD file"):
+    with pytest.raises(InvalidJob, match="no file: give one file"):
         read_any([])
 
 

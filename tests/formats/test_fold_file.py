@@ -11,8 +11,10 @@ from strategies import patches
 
 from fab.errors import InvalidFile
 from fab.formats.conversion import convert
-from fab.formats.fold_reader import PatternFile, read_pattern, read_pattern_file
+from fab.formats.fold_reader import PatternFile, read_pattern
 from fab.formats.fold_writer import fold_bytes
+from fab.formats.read_options import ReadOptions
+from fab.formats.reading import read_pattern_file
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.inspection import inspect_angles
@@ -190,7 +192,7 @@ def test_states_are_frames_of_their_own(tmp_path, pattern):
     for folded in (pattern.folded_coords, None):
         sheet = replace(pattern, folded_coords=folded)
         path.write_bytes(fold_bytes(sheet, "sheet", states))
-        back = read_pattern_file(path, strict=True)
+        back = read_pattern_file(path, ReadOptions(strict=True))
         assert back.title == "sheet"
         assert [title for title, _ in back.states] == ["flat", "half"]
         for (_, found), (_, given_points) in zip(back.states, states, strict=True):
@@ -232,18 +234,24 @@ def test_other_folded_frames_are_states_in_units_of_their_own(tmp_path, pattern)
     assert [finding.code for finding in read.findings] == ["folded-form-differs"]
 
 
-def test_a_folded_form_alone_is_no_sheet(tmp_path, pattern):
+def test_a_flat_frame_is_a_sheet_whatever_its_class(tmp_path, pattern):
     document = document_of(pattern)
     document["frame_classes"] = ["foldedForm"]
     path = tmp_path / "folded.fold"
     path.write_text(json.dumps(document))
-    with pytest.raises(InvalidFile, match="every frame is a folded form"):
-        read_pattern(path)
+    read = read_pattern_file(path)
+    assert [finding.code for finding in read.findings] == ["flat-form-taken"]
+    assert np.array_equal(read.pattern.vertices_coords, pattern.vertices_coords)
+    assert np.array_equal(read.pattern.folded_coords, pattern.folded_coords)
+    with pytest.raises(InvalidFile, match="of class foldedForm is flat"):
+        read_pattern_file(path, ReadOptions(strict=True))
     flat = {"vertices_coords": document["vertices_coords"], "frame_parent": 0}
     document["file_frames"] = [{**flat, "frame_inherit": True, "frame_classes": []}]
     document["vertices_coords"] = pattern.folded_coords.tolist()
     path.write_text(json.dumps(document))
-    assert np.array_equal(read_fold(path).folded_coords, pattern.folded_coords)
+    read = read_pattern_file(path)
+    assert read.findings == ()
+    assert np.array_equal(read.pattern.folded_coords, pattern.folded_coords)
 
 
 def test_frames_may_stand_in_any_order_and_coordinates_may_be_plane(tmp_path, pattern):
@@ -331,7 +339,7 @@ NAN = float("nan")
         ({"vertices_coords": [[0, 10**400]] * 3}, "must be numbers"),
         ({"frame_classes": 3}, "frame_classes of frame 0 must be a list"),
         ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [0, NAN, 0]]}, "vertex 2 .* not finite"),
-        ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [0, 1, 5]]}, "no flat frame"),
+        ({"vertices_coords": np.eye(16)[:, :3].tolist()}, "no flat frame"),
         ({"edges_foldAngle": [0.0]}, "1 entries of edges_foldAngle for 24 edges"),
         ({"edges_foldAngle": [270.0] + [0.0] * 23}, "-180 to 180"),
         ({"edges_foldAngle": ["x"] + [0.0] * 23}, "-180 to 180"),

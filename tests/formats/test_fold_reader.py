@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.errors import InvalidFile, Severity
-from fab.formats.fold_reader import read_pattern
+from fab.formats.fold_reader import read_fold, read_pattern
 from fab.formats.fold_writer import fold_bytes
+from fab.formats.read_options import ReadOptions
 from fab.geometry.planar_graph import enclosed_faces, first_crossing, without_dangling
 from fab.geometry.rings import ring_areas
 from fab.pattern.kinematics import vertices_closure_rad
@@ -225,7 +227,6 @@ def test_a_sound_file_has_no_findings(tmp_path):
             {"V": 1, "B": 6},
         ),
         (changed(edges_assignment=[*"MBBBBBV"]), "border-unmarked", (0,), {"V": 1, "B": 6}),
-        (changed(edges_assignment=[*"BBBBBBB"]), "border-inside", (6,), {"C": 1, "B": 6}),
         (
             with_edge([1, 6], "C", [[0.5, 0.5]]),
             "crease-dangling",
@@ -353,6 +354,7 @@ def test_units_become_millimetres(tmp_path, unit, mm):
     assert pattern.vertices_coords.max(axis=0) == pytest.approx([2 * mm, mm])
 
 
+ROOF = [[0, 0, 0], [1, 0, 0], [2, 0, 1], [2, 1, 1], [1, 1, 0], [0, 1, 0]]
 ISLAND = [[0.3, 0.3], [0.6, 0.3], [0.6, 0.6]]
 NAN = float("nan")
 
@@ -363,7 +365,15 @@ NAN = float("nan")
         (changed(frame_unit="ell"), "frame_unit = 'ell' must be one of unit, mm"),
         (changed(frame_unit=3), "frame_unit = 3"),
         (changed(vertices_coords=[[0, NAN], [1, 0], [2, 0]]), "vertex 0 .* not finite"),
-        (changed(vertices_coords=[[0, 0, 0], [1, 0, 0], [2, 0, 1]]), "no flat frame"),
+        (
+            changed(vertices_coords=ROOF, frame_classes=["creasePattern"]),
+            "no flat frame: the crease pattern's z runs over 1",
+        ),
+        (
+            changed(vertices_coords=[*ROOF[:3], [2, 1, 2], *ROOF[4:]]),
+            "face 1 of the folded form not flat",
+        ),
+        (changed(vertices_coords=ROOF, faces_vertices=None), "without faces it cannot be unfolded"),
         (changed(edges_vertices=None, faces_vertices=None), "edges_vertices is missing"),
         (changed(edges_vertices=None), "edges_vertices is missing, .* edges_assignment is of"),
         (
@@ -381,12 +391,19 @@ NAN = float("nan")
         (changed(edges_foldAngle=[0] * 6 + [NAN]), "fold angle nan of edge 6"),
         (changed(edges_foldAngle=[0] * 6 + [True]), "fold angle True of edge 6"),
         (with_edge([4, 1], "M"), r"edges 7 and 6 join the same vertices, M and V|edges 6 and 7"),
-        (with_edge([0, 3], "M"), r"edges 6 and 7 meet at \(1, 0.5\) mm"),
-        (with_edge([0, 2], "M"), r"edges [01] and 7 meet at \(1, 0\)"),
-        (with_edge([5, 6], "M", [[1, 0.5]]), r"edges 6 and 7 meet at \(1, 0.5\)"),
-        (with_edge([6, 7], "B", [[0.5, 0.2], [1.5, 0.2]]), r"edges 6 and 7 meet at \(1, 0.2\)"),
+        (
+            with_edge([6, 7], "B", [[0.5, 0.2], [1.5, 0.2]]),
+            r"open at edge 7: a gap of 1 mm between",
+        ),
         (with_edge([1, 6], "B", [[0.5, 0.5]]), "the outline is open at edge 7"),
-        (with_edge([2, 6], "M", [[3, 3]]), "edge 7, .* lies inside of no face"),
+        (
+            changed(edges_assignment=[*"BBBBBBB"]),
+            r"edge 6, near \(1, 0.5\) mm, is a border .* --inner-border cut",
+        ),
+        (
+            changed(edges_assignment=[*"BBBBBBB"], faces_vertices=None),
+            r"edge 6 from \(1, 0\) mm to \(1, 1\) mm is a border .* --inner-border cut",
+        ),
         (changed(faces_vertices=[[0, 1, 2, 3, 4, 5], [0, 1, 4]]), "edge"),
         (changed(faces_vertices=[[0, 1, 3, 5]]), "lacks the side"),
         (changed(faces_vertices=[[0, 1, 99]]), "vertex 99"),
@@ -403,6 +420,23 @@ NAN = float("nan")
             ),
             "enclose no face",
         ),
+    ],
+)
+def test_what_cannot_be_meant_in_one_way_is_refused(tmp_path, document, match):
+    with pytest.raises(InvalidFile, match=match) as caught:
+        read(tmp_path, document)
+    assert "sheet.fold" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("document", "code", "counts"),
+    [
+        (with_edge([0, 3], "M"), "lines-split", {"M": 2, "V": 2, "B": 6}),
+        (with_edge([0, 2], "M"), "duplicate-line", {"V": 1, "B": 6}),
+        (with_edge([5, 6], "M", [[1, 0.5]]), "lines-split", {"M": 1, "V": 2, "B": 6}),
+        (with_edge([5, 6], "M", [[0.999, 0.5]]), "ends-extended", {"M": 1, "V": 2, "B": 6}),
+        (with_edge([5, 6], "M", [[1.001, 0.001]]), "ends-joined", {"M": 1, "V": 1, "B": 6}),
+        (with_edge([2, 6], "M", [[3, 3]]), "line-outside", {"V": 1, "B": 6}),
         (
             changed(
                 vertices_coords=[*SQUARES["vertices_coords"], *ISLAND],
@@ -411,14 +445,76 @@ NAN = float("nan")
                 edges_foldAngle=None,
                 faces_vertices=None,
             ),
-            "edge 7, .* are an island",
+            "island-joined",
+            {"V": 1, "B": 9, "J": 2},
         ),
     ],
 )
-def test_what_cannot_be_meant_in_one_way_is_refused(tmp_path, document, match):
-    with pytest.raises(InvalidFile, match=match) as caught:
-        read(tmp_path, document)
-    assert "sheet.fold" in str(caught.value)
+def test_edges_without_faces_are_lines_of_a_drawing(tmp_path, document, code, counts):
+    pattern, findings = read(tmp_path, document)
+    told = {finding.code: finding for finding in findings}
+    assert " mm" in told[code].text
+    assert pattern.counts() == {"M": 0, "V": 0, "F": 0, "B": 0, **counts}
+    assert pattern.vertices_coords.max(axis=0).tolist() == [2, 1]
+    again, findings = written(tmp_path, pattern)
+    assert {finding.code for finding in findings} <= {"crease-dangling"}
+    assert np.array_equal(again.edges_vertices, pattern.edges_vertices)
+
+
+def written(tmp_path, pattern):
+    (tmp_path / "again.fold").write_bytes(fold_bytes(pattern, "again"))
+    return read_pattern(tmp_path / "again.fold", strict=True)
+
+
+def test_borders_within_the_sheet_are_cuts_where_asked_for(tmp_path):
+    path = tmp_path / "sheet.fold"
+    for faces in (SQUARES["faces_vertices"], None):
+        path.write_text(json.dumps(changed(edges_assignment=[*"BBBBBBB"], faces_vertices=faces)))
+        found = read_fold(path, ReadOptions(inner_border="cut"))
+        assert found.pattern.counts() == {"M": 0, "V": 0, "F": 0, "B": 6, "C": 1}
+        assert "border-inside" in {finding.code for finding in found.findings}
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_files_without_faces_keep_the_numbers_of_vertices(tmp_path, name):
+    """The same pattern with its faces left out, and a folded form that names its vertices."""
+    pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
+    folded = np.random.default_rng(1).uniform(0, 1, (len(pattern.vertices_coords), 3))
+    document = json.loads(fold_bytes(replace(pattern, folded_coords=folded), name))
+    del document["faces_vertices"]
+    again, findings = read(tmp_path, document)
+    assert {f.code for f in findings} <= {"faces-rebuilt", "crease-dangling", "hole"}
+    assert np.array_equal(again.vertices_coords, pattern.vertices_coords)
+    assert np.array_equal(again.folded_coords, folded)
+    for key in ("edges_vertices", "edges_assignment"):
+        first, second = getattr(pattern, key), getattr(again, key)
+        assert sorted(map(str, np.sort(first, axis=-1))) == sorted(
+            map(str, np.sort(second, axis=-1))
+        )
+
+
+def test_folded_forms_follow_edges_that_are_split(tmp_path):
+    """A crease that crosses nothing folded: the new vertex is between the ends in both forms."""
+    document = with_edge([6, 7], "F", [[0.5, 0], [0.5, 1]])
+    folded = [
+        [0, 0, 0],
+        [1, 0, 0],
+        [1, 0, 1],
+        [1, 1, 1],
+        [1, 1, 0],
+        [0, 1, 0],
+        [0.5, 0, 0],
+        [0.5, 1, 0],
+    ]
+    document["file_frames"] = [{"frame_classes": ["foldedForm"], "vertices_coords": folded}]
+    pattern, findings = read(tmp_path, document)
+    assert pattern.face_count == 3
+    assert len(pattern.folded_coords) == 8
+    document["file_frames"][0]["vertices_coords"][6] = [0.5, 0.3, 0.4]
+    pattern, findings = read(tmp_path, document)
+    (told,) = [f for f in findings if f.code == "folded-form-differs"]
+    assert "(0.5, 0) mm" in told.text
+    assert pattern.folded_coords is None
 
 
 def test_an_open_outline_names_its_gap(tmp_path):
@@ -429,7 +525,7 @@ def test_an_open_outline_names_its_gap(tmp_path):
         edges_foldAngle=None,
         faces_vertices=None,
     )
-    with pytest.raises(InvalidFile, match=r"the outline is open at edge [34]"):
+    with pytest.raises(InvalidFile, match=r"a gap of 1 mm between .* mm and .*, 0\) mm"):
         read(tmp_path, document)
 
 
@@ -439,7 +535,7 @@ def test_the_unit_must_be_a_length(tmp_path, bad):
         read(tmp_path, SQUARES, mm_per_unit=bad)
 
 
-def test_lips_of_a_slit_may_lie_on_each_other(tmp_path):
+def test_lips_of_a_slit_are_one_cut(tmp_path):
     """Two pieces side by side whose borders share a line, each with vertices of its own."""
     document = {
         "frame_unit": "mm",
@@ -449,9 +545,16 @@ def test_lips_of_a_slit_may_lie_on_each_other(tmp_path):
     }
     pattern, findings = read(tmp_path, document)
     assert pattern.face_count == 2
-    assert {f.code for f in findings} == {"faces-rebuilt"}
+    assert pattern.counts() == {"M": 0, "V": 0, "F": 0, "B": 6, "C": 1}
+    codes = {"faces-rebuilt", "vertices-merged", "duplicate-line", "border-shared"}
+    assert {f.code for f in findings} == codes
+    document["faces_vertices"] = [[0, 1, 2, 3], [4, 5, 6, 7]]
+    pattern, findings = read(tmp_path, document)
+    assert findings == ()
+    assert pattern.counts()["B"] == 8
+    del document["faces_vertices"]
     document["edges_assignment"][1] = "M"
-    with pytest.raises(InvalidFile, match=r"edges 1 and [47] meet"):
+    with pytest.raises(InvalidFile, match=r"edge 7 from .* is a border"):
         read(tmp_path, document)
 
 
