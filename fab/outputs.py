@@ -7,12 +7,14 @@ import errno
 import hashlib
 import io
 import json
+import logging
 import os
 import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -25,6 +27,7 @@ __all__ = [
     "Made",
     "box_mm",
     "file_names",
+    "fixed_dxf_metadata",
     "formats_among",
     "left_over",
     "plain_title",
@@ -172,3 +175,22 @@ def _unwritten(folder: Path, error: OSError) -> InvalidJob:
     cure = _CURES.get(error.errno or 0, "Choose another --out.")
     why = error.strerror or error
     return InvalidJob(f"{folder}: cannot be written: {why}. No partial file was left. {cure}")
+
+
+@contextmanager
+def fixed_dxf_metadata() -> Iterator[None]:
+    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes.
+
+    Its warning that R12 has no units is held back: they are written all the same.
+    """
+    import ezdxf
+
+    logger = logging.getLogger("ezdxf")
+    before, level = ezdxf.options.write_fixed_meta_data_for_testing, logger.level
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+        logger.setLevel(level)

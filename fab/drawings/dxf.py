@@ -9,10 +9,7 @@ order of the file must free pieces last.
 from __future__ import annotations
 
 import io
-import logging
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from typing import BinaryIO
 
@@ -22,6 +19,7 @@ from ezdxf.enums import InsertUnits
 from fab.drawings.cut_paths import CutPaths
 from fab.drawings.layer_colours import Colours
 from fab.drawings.number_records import write_records
+from fab.outputs import fixed_dxf_metadata
 
 __all__ = ["DxfVersion", "dxf_bytes", "write_dxf"]
 
@@ -85,7 +83,7 @@ def _frame(
     paths: CutPaths, colours: Colours, version: DxfVersion
 ) -> tuple[str, str, str, str, int]:
     """The text before the dashes, the outlines, the text after them; owner; a free handle."""
-    with _fixed_metadata():
+    with fixed_dxf_metadata():
         document = ezdxf.new(version)
         if version is not DxfVersion.R12:  # ezdxf would leave them out
             document.units = InsertUnits.Millimeters
@@ -131,20 +129,3 @@ def _line(layer: str, owner: str, version: DxfVersion) -> list[bytes]:
         "\n 31\n0.0\n",
     ]
     return [part.encode() for part in parts]
-
-
-@contextmanager
-def _fixed_metadata() -> Iterator[None]:
-    """Dates and GUIDs of ezdxf fixed, so that the same drawing gives the same bytes.
-
-    Its warning that R12 has no units is held back: they are written all the same.
-    """
-    logger = logging.getLogger("ezdxf")
-    before, level = ezdxf.options.write_fixed_meta_data_for_testing, logger.level
-    ezdxf.options.write_fixed_meta_data_for_testing = True
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = before
-        logger.setLevel(level)
