@@ -139,7 +139,8 @@ def _rows(path: Path, text: str) -> tuple[FloatArray, list[int], list[Finding]]:
             repaired.setdefault("comment-lines", []).append(number)
             continue
         words = line.split()
-        if len(words) != _COLUMNS and ("," in line or ";" in line):
+        apart = len(words) == _COLUMNS and not any(word.endswith((",", ";")) for word in words)
+        if not apart and ("," in line or ";" in line):
             between = ";" if ";" in line else ","
             words = [word.strip() for word in line.split(between)]
             repaired.setdefault("separators", []).append(number)

@@ -17,6 +17,8 @@ DRAWN = frozenset(["LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE",
 _SPLINE_FRAME = 16
 _LEAST_PER_TURN = 8
 _MOST_PER_ARC = 100_000
+# Over the length of a chord: points nearer to it are on it.
+_STRAIGHT = 1e-9
 
 
 def is_curved(entity: Any) -> bool:
@@ -70,7 +72,19 @@ def flattened(entity: Any, tolerance: float) -> FloatArray:
             flat[-1] = flat[0]
         return _from_ocs(entity, flat, z)
     coarse = _LEAST_PER_TURN if kind == "ELLIPSE" else 4
-    return np.array([tuple(p) for p in entity.flattening(tolerance, coarse)], float).reshape(-1, 3)
+    points = np.array([tuple(p) for p in entity.flattening(tolerance, coarse)], float)
+    return _straightened(points.reshape(-1, 3))
+
+
+def _straightened(points: FloatArray) -> FloatArray:
+    """The two ends alone of points that are in line, as of the straight splines of Illustrator."""
+    if len(points) < 3:
+        return points
+    along = points[-1] - points[0]
+    places = (points - points[0]) @ along
+    offsets = np.linalg.norm(np.cross(points - points[0], along), axis=1)
+    straight = offsets.max() <= _STRAIGHT * (along @ along) and (np.diff(places) >= 0).all()
+    return points[[0, -1]] if straight else points
 
 
 def _polyline(entity: Any, tolerance: float) -> FloatArray:

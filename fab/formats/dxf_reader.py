@@ -41,21 +41,8 @@ _BYBLOCK, _BLACK_ACI, _LAST_ACI = 0, 7, 255
 # Text and the like, that nobody takes for lines.
 _NO_LINES = frozenset(
     [
-        "TEXT",
-        "MTEXT",
-        "ATTRIB",
-        "ATTDEF",
-        "DIMENSION",
-        "ARC_DIMENSION",
-        "POINT",
-        "VIEWPORT",
-        "LEADER",
-        "MULTILEADER",
-        "TOLERANCE",
-        "IMAGE",
-        "ACAD_PROXY_ENTITY",
-        "SEQEND",
-        "OLE2FRAME",
+        *("TEXT", "MTEXT", "ATTRIB", "ATTDEF", "TOLERANCE", "LEADER", "MULTILEADER"),
+        *("DIMENSION", "ARC_DIMENSION", "POINT", "VIEWPORT", "IMAGE", "OLE2FRAME", "SEQEND"),
     ]
 )
 # Layers of ORIPA and Oriedita whose names mean something else than their words.
@@ -324,8 +311,8 @@ def _lines(
     total = 0
     for number, one in enumerate(drawn):
         if len(rough[number]) and is_curved(one.entity):
-            curved += 1
             rough[number] = _points(one, tolerance, left_out)
+            curved += len(rough[number]) > 2
         total += len(rough[number])
         if total > 2 * _MOST_LINES:
             raise InvalidFile(
