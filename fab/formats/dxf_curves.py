@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,11 +13,15 @@ from solver.vectors import FloatArray
 
 __all__ = ["DRAWN", "flattened", "is_curved", "weight"]
 
+# Points, shape (n, 3), at parameters, shape (n,).
+_Curve = Callable[[FloatArray], FloatArray]
 # Entities that are lines or curves.
 DRAWN = frozenset(["LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"])
 _SPLINE_FRAME = 16
 _LEAST_PER_TURN = 8
 _MOST_PER_ARC = 100_000
+_MOST_HALVINGS = 20
+_MOST_FIT_POINTS = 500
 # Over the length of a chord: points nearer to it are on it.
 _STRAIGHT = 1e-9
 
@@ -71,9 +76,69 @@ def flattened(entity: Any, tolerance: float) -> FloatArray:
         if span == 360.0:
             flat[-1] = flat[0]
         return _from_ocs(entity, flat, z)
-    coarse = _LEAST_PER_TURN if kind == "ELLIPSE" else 4
-    points = np.array([tuple(p) for p in entity.flattening(tolerance, coarse)], float)
-    return _straightened(points.reshape(-1, 3))
+    curve, parameters = _ellipse(entity) if kind == "ELLIPSE" else _spline(entity)
+    return _straightened(_along(curve, parameters, tolerance))
+
+
+def _ellipse(entity: Any) -> tuple[_Curve, FloatArray]:
+    """An ellipse as a function of its parameter, and parameters along it."""
+    centre = np.array(entity.dxf.center, float)
+    major, minor = np.array(entity.dxf.major_axis, float), np.array(entity.minor_axis, float)
+    start, end = float(entity.dxf.start_param), float(entity.dxf.end_param)
+    span = (end - start) % math.tau or math.tau
+    count = max(2, math.ceil(span / math.tau * _LEAST_PER_TURN)) + 1
+
+    def at(t: FloatArray) -> FloatArray:
+        out: FloatArray = centre + np.outer(np.cos(t), major) + np.outer(np.sin(t), minor)
+        return out
+
+    return at, start + np.linspace(0.0, span, count)
+
+
+def _spline(entity: Any) -> tuple[_Curve, FloatArray]:
+    """A spline as a function of its parameter, and its knots with three parameters between."""
+    from scipy.interpolate import BSpline
+
+    if not entity.control_point_count() and len(entity.fit_points) > _MOST_FIT_POINTS:
+        raise ValueError("a spline of fit points alone, too many to be solved for")
+    tool = entity.construction_tool()
+    points = np.array([tuple(p) for p in tool.control_points], float)
+    weights = np.array(tool.weights() or np.ones(len(points)), float)
+    knots = np.array(tool.knots(), float)
+    degree = int(tool.order) - 1
+    homogeneous = np.column_stack([points * weights[:, None], weights])
+    spline = BSpline(knots, homogeneous, degree)
+
+    def at(t: FloatArray) -> FloatArray:
+        value = spline(t)
+        out: FloatArray = value[:, :3] / value[:, 3:]
+        return out
+
+    ends = np.unique(knots[degree : len(points) + 1])
+    between = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4
+    return at, np.append(between.ravel(), ends[-1])
+
+
+def _along(curve: _Curve, parameters: FloatArray, tolerance: float) -> FloatArray:
+    """Points on a curve at some parameters, and at more of them where chords are off it."""
+    points = curve(parameters)
+    for _ in range(_MOST_HALVINGS):
+        step = np.diff(parameters)
+        within = [curve(parameters[:-1] + step * share) for share in (0.25, 0.5, 0.75)]
+        chord = np.diff(points, axis=0)
+        length = np.linalg.norm(chord, axis=1)
+        off = np.zeros(len(step))
+        for place in within:
+            arm = place - points[:-1]
+            area = np.linalg.norm(np.cross(arm, chord), axis=1)
+            at_end = np.linalg.norm(arm, axis=1)
+            off = np.fmax(off, np.where(length > 0, area / np.where(length > 0, length, 1), at_end))
+        rough = np.flatnonzero(off > tolerance)
+        if not len(rough) or len(points) > _MOST_PER_ARC:
+            break
+        parameters = np.insert(parameters, rough + 1, parameters[rough] + step[rough] / 2)
+        points = np.insert(points, rough + 1, within[1][rough], axis=0)
+    return points
 
 
 def _straightened(points: FloatArray) -> FloatArray:

@@ -104,9 +104,12 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     left_out = _LeftOut()
     try:
         drawn, spaces = _drawn_entities(path, document, left_out)
-    except (AttributeError, TypeError, KeyError, OverflowError) as error:
+    except InvalidFile:
+        raise
+    except Exception as error:  # ezdxf raises whatever damaged values lead to
         raise InvalidFile(
-            f"{path}: the DXF file cannot be read: {error}. Export it again."
+            f"{path}: the blocks, layers or layouts of the DXF file are damaged: "
+            f"{shown(str(error))}. Export it again."
         ) from error
     mm = mm_per_unit_of(document)
     lines, element, curves = _lines(path, drawn, left_out, mm or options.mm_per_unit or 1.0)
@@ -338,7 +341,8 @@ def _points(one: _Drawn, tolerance: float, left_out: _LeftOut) -> FloatArray:
         points = np.zeros((0, 3))
         left_out.damaged[one.entity.dxftype()] += 1
         return points
-    if len(points) < 2 or not np.isfinite(points).all():
+    point = is_curved(one.entity) and not np.ptp(points, axis=0).any()
+    if len(points) < 2 or point or not np.isfinite(points).all():
         left_out.damaged[one.entity.dxftype()] += 1
         return np.zeros((0, 3))
     return points

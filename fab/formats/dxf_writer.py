@@ -27,13 +27,13 @@ LAYERS = {
 
 
 def dxf_bytes(pattern: CreasePattern, title: str) -> bytes:
-    """The DXF file (R2000, millimetres) of a pattern: a LINE for each edge, on a layer that names
+    """The DXF file (R2004, millimetres) of a pattern: a LINE for each edge, on a layer that names
     its assignment. The same bytes for the same pattern; coordinates have all their digits.
 
     Fold angles have no place in it: `angles_lost_in_dxf`.
     """
     with fixed_dxf_metadata():
-        document = ezdxf.new("R2000")
+        document = ezdxf.new("R2004")
         document.units = InsertUnits.Millimeters
         document.header["$MEASUREMENT"] = 1
         document.header["$PROJECTNAME"] = plain_title(title)

@@ -284,7 +284,14 @@ PIECES = [b"", b"\0", b"\xff", b"-", b"1e999", b"NaN", b"<", b"{", b"[", b"\n", 
 
 
 def mutated(data: bytes, random: np.random.Generator) -> bytes:
-    """The bytes with up to eight pieces replaced, moved, doubled or cut off."""
+    """The bytes with up to eight pieces replaced, moved, doubled or cut off, or lines changed."""
+    if random.random() < 0.5:
+        lines = data.split(b"\n")
+        for _ in range(int(random.integers(1, 9))):
+            one, other = random.integers(0, len(lines), 2)
+            piece = PIECES[int(random.integers(0, len(PIECES)))]
+            lines[one] = lines[other] if random.random() < 0.5 else piece
+        return b"\n".join(lines)
     out = bytearray(data)
     for _ in range(int(random.integers(1, 9))):
         at = int(random.integers(0, len(out) + 1))
