@@ -18,13 +18,15 @@ from ezdxf.colors import aci2rgb
 from ezdxf.document import Drawing
 
 from fab.errors import Finding, InvalidFile, Severity
+from fab.formats.dashes import join_dashes
 from fab.formats.dxf_curves import DRAWN, flattened, is_curved, weight
 from fab.formats.dxf_document import mm_per_unit_of, read_document, unit_findings
 from fab.formats.line_letters import letter_of, unlettered_finding
 from fab.formats.line_soup import UNLETTERED, LineSoup
 from fab.formats.read_options import ReadOptions
+from fab.formats.sheet_drawings import OPERATIONS, recovered_sheet
 from fab.formats.source_files import shown
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["read_dxf"]
 
@@ -92,12 +94,15 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
 
     Curves are flattened within 0.01 mm, between 1e-6 and 1e-4 of the drawing's diagonal. The unit
     is that of $INSUNITS, if it names one. Where the model space has no lines, those of the first
-    paper space that has some are read.
+    paper space that has some are read. Dashes become whole lines; drawings whose layers are those
+    of our own sheets (CUT and ENGRAVE, MOUNTAIN, VALLEY or RELIEF, and no other) become their
+    pattern again.
 
     Raises `InvalidFile` for files that cannot be read, without lines, over the bounds, with blocks
     that contain themselves, and for drawings in an upright plane. Codes of the findings:
     "file-recovered", "unit-imperial", "paper-space", "entities-skipped", "layers-hidden",
-    "entities-damaged", "curves-flattened", "off-plane", "colour-unknown".
+    "entities-damaged", "curves-flattened", "off-plane", "colour-unknown", and those of
+    `join_dashes` and `recovered_sheet`.
     """
     document, recovered = read_document(path)
     findings = [*recovered, *unit_findings(document)]
@@ -112,7 +117,7 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
             f"{shown(str(error))}. Export it again."
         ) from error
     mm = mm_per_unit_of(document)
-    lines, element, curves = _lines(path, drawn, left_out, mm or options.mm_per_unit or 1.0)
+    lines, element, closed, curves = _lines(path, drawn, left_out, mm or options.mm_per_unit or 1.0)
     findings += [*spaces, *_left_out_findings(left_out), *curves]
     if not len(lines):
         what = " ".join(finding.text for finding in findings)
@@ -122,7 +127,7 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
         )
     lines, off_plane = _flat(path, lines)
     letters, unlettered = _letters(drawn, options.colours)
-    return LineSoup(
+    soup = LineSoup(
         path,
         _title(document),
         lines,
@@ -133,6 +138,10 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
         mm,
         (*findings, *off_plane, *unlettered),
     )
+    layers = [one.layer for one in drawn]
+    if {"CUT"} < set(layers) <= set(OPERATIONS):
+        return recovered_sheet(soup, layers, closed)
+    return join_dashes(soup)
 
 
 def _title(document: Drawing) -> str:
@@ -292,15 +301,16 @@ def _hex(rgb: Any) -> str | None:
 
 def _lines(
     path: Path, drawn: list[_Drawn], left_out: _LeftOut, mm_per_unit: float
-) -> tuple[FloatArray, Any, list[Finding]]:
-    """Lines of shape (n, 2, 3), the entity of each, and how far curves are off.
+) -> tuple[FloatArray, IntArray, list[bool], list[Finding]]:
+    """Lines of shape (n, 2, 3), the entity of each, which entities are closed, and how far curves
+    are off.
 
     Entities whose numbers make no line are counted in `left_out`.
     """
     rough = [_points(one, np.inf, left_out) for one in drawn]
     filled = [points for points in rough if len(points)]
     if not filled:
-        return np.zeros((0, 2, 3)), np.zeros(0, np.int64), []
+        return np.zeros((0, 2, 3)), np.zeros(0, np.int64), [], []
     low = np.min([points.min(axis=0) for points in filled], axis=0)
     high = np.max([points.max(axis=0) for points in filled], axis=0)
     with np.errstate(over="ignore"):
@@ -329,7 +339,8 @@ def _lines(
         what = "1 curve is" if curved == 1 else f"{curved} curves are"
         text = f"{what} flattened within {tolerance * mm_per_unit:.3g} mm."
         findings.append(Finding("curves-flattened", Severity.NOTE, text))
-    return np.concatenate(parts), element, findings
+    closed = [len(points) > 3 and bool((points[0] == points[-1]).all()) for points in rough]
+    return np.concatenate(parts), element, closed, findings
 
 
 def _points(one: _Drawn, tolerance: float, left_out: _LeftOut) -> FloatArray:

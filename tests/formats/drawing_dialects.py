@@ -81,7 +81,7 @@ def tree() -> Source:
     for i in range(4):
         lines.append([corners[i], corners[(i + 1) % 4]])
         letters.append("B")
-    for k in range(1, 9):
+    for k in range(1, 8):
         angle = math.pi / 4 * k / 4
         end = [1.0, math.tan(angle)] if angle <= math.pi / 4 else [1 / math.tan(angle), 1.0]
         lines.append([[0, 0], end])

