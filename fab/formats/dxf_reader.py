@@ -352,8 +352,8 @@ def _points(one: _Drawn, tolerance: float, left_out: _LeftOut) -> FloatArray:
         points = np.zeros((0, 3))
         left_out.damaged[one.entity.dxftype()] += 1
         return points
-    point = is_curved(one.entity) and not np.ptp(points, axis=0).any()
-    if len(points) < 2 or point or not np.isfinite(points).all():
+    drawn = len(points) > 1 and bool(np.isfinite(points).all())
+    if not drawn or (is_curved(one.entity) and bool((points == points[0]).all())):
         left_out.damaged[one.entity.dxftype()] += 1
         return np.zeros((0, 3))
     return points
