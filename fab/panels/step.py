@@ -8,6 +8,7 @@ import re
 
 from fab.panels.body_colours import Rgb, body_colours
 from fab.panels.cad_assembly import placed_solids
+from fab.panels.step_strings import escaped, with_tokens
 from fab.panels.thick_sheet import ThickSheet
 from solver.vectors import FloatArray
 
@@ -31,7 +32,7 @@ def step_bytes(sheet: ThickSheet, name: str, coords: FloatArray | None = None) -
     made = placed_solids(sheet, coords)
     colours = body_colours(sheet)
     stream = io.BytesIO()
-    whole = Compound(label=name, children=list(made.values()))
+    whole = Compound(label=with_tokens(name), children=list(made.values()))
     export_step(whole, stream, write_pcurves=False, timestamp=_TIMESTAMP)
     uses = itertools.count(1)
     # on one line each: where OpenCASCADE breaks them depends on the length of its number
@@ -46,7 +47,8 @@ def step_bytes(sheet: ThickSheet, name: str, coords: FloatArray | None = None) -
         flags=re.DOTALL,
     )
     body, end, tail = text.rpartition("ENDSEC;")
-    return "".join([body, _styles(body, [colours[i] for i in made]), end, tail]).encode()
+    styles = _styles(body, [colours[i] for i in made])
+    return escaped("".join([body, styles, end, tail])).encode("ascii")
 
 
 def _styles(body: str, colours: list[Rgb]) -> str:
