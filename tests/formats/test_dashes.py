@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from fab.formats.dashes import extended, join_dashes
 from fab.formats.line_soup import LineSoup
-from fab.sheets.crease_styles import DashDotStyle, DashStyle, DotStyle, cuts_along
+from fab.sheets.crease_cuts import cuts_along
+from fab.sheets.crease_styles import DashDotStyle, DashStyle, DotStyle
 
 
 def soup_of(coords, letters, angles=None) -> LineSoup:

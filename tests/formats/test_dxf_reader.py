@@ -19,6 +19,7 @@ from fab.formats.fold_reader import read_pattern
 from fab.formats.read_options import ReadOptions
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_files import fabricate
+from fab.sheets.sheet_request import SheetRequest
 
 
 @pytest.fixture
@@ -357,7 +358,8 @@ def test_our_own_sheets_come_back(name, version, tmp_path):
     pattern, _ = read_pattern(PATTERNS / f"{name}.fold")
     machine = load_machine("co2_60w_600x400").model_copy(update={"dxf_version": version})
     material = load_material("card_300gsm")
-    made = fabricate(pattern, name, material, machine, formats=[SheetFormat.DXF])
+    request = SheetRequest(material, machine, formats=[SheetFormat.DXF])
+    made = fabricate(pattern, name, request)
     (data,) = (content for file, content in made.files.items() if file.endswith(".dxf"))
     soup = read(data, tmp_path)
     assert {"kerf-removed", "dashes-joined"} <= set(codes(soup))
