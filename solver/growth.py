@@ -63,7 +63,7 @@ class Strip:
 
 @dataclass(frozen=True)
 class Stop:
-    """That no strip can be chosen, why, and what would help."""
+    """The answer of a rule that can choose no strip: why, and what would help."""
 
     status: Status
     advice: str

@@ -82,8 +82,7 @@ def test_every_folder_of_fab_is_a_wing():
     folders = {path.name for path in (ROOT / "fab").iterdir() if (path / "__init__.py").is_file()}
     assert folders == set(WINGS)
     modules = {path.stem for path in (ROOT / "fab").glob("*.py")}
-    assert modules == {"__init__", "__main__", "public", *ROOT_MODULES} & modules
-    assert modules >= set(ROOT_MODULES)
+    assert modules == {"__init__", "__main__", *ROOT_MODULES}
 
 
 @pytest.mark.parametrize("module", sorted(SOURCES))

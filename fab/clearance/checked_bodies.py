@@ -24,7 +24,8 @@ class CheckedBodies:
 
     Attributes
     ----------
-    bodies : those with knuckles as their convex hulls, from which planes are as far away.
+    bodies : with the convex hull in place of each body with knuckles: a plane that separates two
+        hulls separates the bodies, and is as far from both.
     solids : the bodies themselves, for exact measures.
     names : such as "panel 3". faces, creases : as in a `ThickSheet`.
     mates, mates_edge : shapes (k, 2) and (k,): panels across a crease, and that crease.

@@ -124,7 +124,9 @@ def _cure(sheet: ThickSheet, check: PairCheck) -> str:
     given = sheet.panel.thickness_mm
     bound = clear_up_to(sheet.pattern, sheet.panel, sheet.hinge, check.state)
     if bound is None:
-        return "They do at every thickness that such hinges allow: fold less, or raise gap_mm."
+        return (
+            "Panels overlap at every thickness that these hinges allow: fold less, or raise gap_mm."
+        )
     if bound == given:
         return "Raise gap_mm or clearance_mm, or fold less."
     return (

@@ -211,7 +211,7 @@ def _overfolded(feasibility: Feasibility, faces: IntArray) -> tuple[str, IntArra
         f"{np.abs(angles).max(initial=0.0):.7g} degrees: no setback leaves room between panels "
         "with their axis between them. "
         f"{counted(len(faces), 'face', 'faces')} beside them "
-        f"{'has' if len(faces) == 1 else 'have'} no panel, whatever their size. "
+        f"{'has' if len(faces) == 1 else 'have'} no panel at any size. "
     )
     cures = []
     if limit is None:

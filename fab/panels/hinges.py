@@ -202,7 +202,7 @@ def crease_kinds(pattern: CreasePattern, settings: HingeSettings) -> NDArray[np.
     """The kind of hinge of every edge, shape (ne,); none at borders, cuts, and within a face."""
     mountain, valley, flat = settings.kinds
     letter = pattern.edges_assignment
-    out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat)).astype("U8")
+    out = np.where(letter == "M", mountain, np.where(letter == "V", valley, flat))
     out[~pattern.edges_joining] = "none"
     return out
 

@@ -104,12 +104,14 @@ def _short(creases: IntArray, room_mm: FloatArray, settings: HingeSettings) -> F
     longest = float(np.maximum(room_mm, 0).max())
     shorter = (longest - 2 * settings.play_mm) / 3
     cure = (
-        f"knuckle_mm = {np.floor(100 * shorter) / 100:g} fits into that one"
+        f"knuckle_mm = {np.floor(100 * shorter) / 100:g} fits into the longest"
         if shorter >= _SHORTEST_MM
         else f"too short for barrels of {_SHORTEST_MM:g} mm"
     )
     panels = (
-        "its panels, and it has" if len(creases) == 1 else "their panels, the longest of them has"
+        "its panels, and this crease has"
+        if len(creases) == 1
+        else "their panels, and the longest crease has"
     )
     return _missing(
         f"{counted(len(creases), 'crease is', 'creases are')} too short for knuckles: three "

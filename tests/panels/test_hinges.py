@@ -310,7 +310,7 @@ def test_knuckles_are_refused_just_beyond_what_the_length_allows():
         if not fits:
             assert findings[0].creases
             assert "need 12.5 mm" in findings[0].text
-            assert "12.5: knuckle_mm = 3.99 fits into that one" in findings[0].text
+            assert "12.5: knuckle_mm = 3.99 fits into the longest" in findings[0].text
             hinge = HingeSettings(kind="knuckle", knuckle_mm=3.99)
             sheet, findings = thicken(folded_pair(60.0, length=length), THICK, hinge)
             assert findings == []
