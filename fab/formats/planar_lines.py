@@ -11,6 +11,7 @@ from fab.formats.line_soup import UNLETTERED, Letters
 from fab.formats.line_tolerance import Tolerance
 from fab.formats.lines import Lines, Repair, place_of
 from fab.geometry.arrangement import Arrangement, arrangement
+from solver.errors import InvalidState
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["DrawnLines", "PlanarLines", "planar_lines", "ranks_of"]
@@ -66,7 +67,10 @@ def planar_lines(drawn: DrawnLines, tolerance: Tolerance) -> PlanarLines:
     the drawing.
     """
     named = drawn.named
-    graph = arrangement(drawn.coords, tolerance.reach)
+    try:
+        graph = arrangement(drawn.coords, tolerance.reach)
+    except InvalidState as error:
+        raise InvalidFile(f"{named.path}: {error}") from error
     if not graph.settled:
         raise InvalidFile(
             f"{named.path}: its lines are too close to each other for a tolerance of "

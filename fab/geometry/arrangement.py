@@ -17,6 +17,7 @@ import shapely
 from scipy.spatial import cKDTree
 
 from fab.geometry.rings import next_corner
+from solver.errors import InvalidState
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -35,7 +36,11 @@ _LONGEST_WAY = 2.0
 # A vertex is moved this often at most; then lines are bent to it.
 _MOST_MOVES = 3
 _MOST_ROUNDS = 40
-_CHUNK = 200_000
+# More crossings, or lines beside each other's boxes, do not fit into memory and time.
+_MOST_CROSSINGS = 500_000
+_MOST_NEAR = 50_000_000
+# Lines of which the crossings of all are estimated.
+_SAMPLE = 200
 
 
 @dataclass(frozen=True)
@@ -145,7 +150,8 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
     lines_coords : shape (n, 2, 2), both ends of each. tolerance : so far an end reaches for other
     ends and for lines; for all, or of each, shape (n, 2).
 
-    Ends of no more reach than rounding are joined and split exactly.
+    Ends of no more reach than rounding are joined and split exactly. Raises `InvalidState` for
+    lines with too many crossings.
     """
     lines_coords = np.asarray(lines_coords, np.float64).reshape(-1, 2, 2) + 0.0
     if not len(lines_coords):
@@ -160,6 +166,7 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
     web, turned, place = _sorted(flat, reach)
     digits = max(_DIGITS_REL * size, rounding)
     settled = False
+    _require_few_crossings(lines_coords)
     web, _ = _merged(web)
     for _ in range(_MOST_ROUNDS):
         web, snapped = _snapped(web, digits, rounding)
@@ -170,6 +177,27 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
         if settled:
             break
     return _assembled(web, lines_coords, turned, place, settled)
+
+
+def _require_few_crossings(lines_coords: FloatArray) -> None:
+    """Raise `InvalidState` where a sample says that lines cross too often."""
+    count = len(lines_coords)
+    if count * count <= _MOST_CROSSINGS:
+        return
+    shapes = shapely.linestrings(lines_coords)
+    tree = shapely.STRtree(shapes)
+    sample = shapes[:: -(-count // _SAMPLE)]
+    near = tree.query(sample)
+    crossing = int(shapely.crosses(sample[near[0]], shapes[near[1]]).sum())
+    share = count / len(sample) / 2
+    if crossing * share > _MOST_CROSSINGS or near.shape[1] * share > _MOST_NEAR:
+        raise InvalidState(
+            "lines",
+            f"{count} lines have about {crossing * share:.2g} crossings and "
+            f"{near.shape[1] * share:.2g} pairs near to each other, over the bounds of "
+            f"{_MOST_CROSSINGS:g} and {_MOST_NEAR:g}",
+            "Draw creases from crossing to crossing, or leave out hatchings.",
+        )
 
 
 def _sorted(flat: FloatArray, reach: FloatArray) -> tuple[_Web, BoolArray, IntArray]:
@@ -337,20 +365,16 @@ def _crossing_pairs(points: FloatArray, edges: IntArray) -> tuple[IntArray, IntA
     ends = points[edges]
     shapes = shapely.linestrings(ends)
     tree = shapely.STRtree(shapes)
-    found = [np.empty((2, 0), np.int64)]
-    for begin in range(0, len(edges), _CHUNK):
-        pairs = tree.query(shapes[begin : begin + _CHUNK])
-        pairs[0] += begin
-        pairs = pairs[:, pairs[0] < pairs[1]]
-        one, two = edges[pairs[0]], edges[pairs[1]]
-        apart = (one[:, :1] != two).all(axis=1) & (one[:, 1:] != two).all(axis=1)
-        pairs = pairs[:, apart]
-        (a, b), (c, d) = ends[pairs[0]].swapaxes(0, 1), ends[pairs[1]].swapaxes(0, 1)
-        over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
-        over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
-        found.append(pairs[:, over])
-    first, second = np.concatenate(found, axis=1)
-    return first, second
+    first, second = tree.query(shapes)
+    once = first < second
+    first, second = first[once], second[once]
+    one, other = edges[first], edges[second]
+    apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
+    first, second = first[apart], second[apart]
+    (a, b), (c, d) = ends[first].swapaxes(0, 1), ends[second].swapaxes(0, 1)
+    over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
+    over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
+    return first[over], second[over]
 
 
 def _split(web: _Web, edge: IntArray, vertex: IntArray) -> _Web:

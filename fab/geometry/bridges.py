@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
+from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from fab.geometry.planar_graph import walks_of
+from fab.geometry.rings import ring_areas
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -15,6 +16,8 @@ __all__ = ["bridges"]
 # Up to this many corners all pairs are tried, beyond it the nearest ones of each.
 _ALL_PAIRS = 300
 _NEAREST = 12
+# With more corners, bridges are not tried one by one.
+_MOST_TRIED = 1000
 
 
 def bridges(
@@ -27,22 +30,94 @@ def bridges(
     bridges must not touch. Short bridges are preferred; None where those that were tried do not
     suffice.
     """
+    vertices = np.unique(edges_vertices)
+    sides = _delaunay(vertices, vertices_coords[vertices])
+    pairs = _clear(vertices_coords, edges_vertices, within, obstacles, sides)
+    found = _least(vertices_coords, edges_vertices, within, pairs)
+    if found is not None or len(vertices) > _MOST_TRIED:
+        return found
     pairs = _candidates(vertices_coords, edges_vertices)
-    pairs = pairs[_visible(vertices_coords, edges_vertices, obstacles, pairs)]
-    pairs = pairs[_inside(vertices_coords, edges_vertices, within, pairs)]
-    span = np.diff(vertices_coords[pairs], axis=1)[:, 0]
-    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0], np.round(np.hypot(*span.T), 9)))]
+    pairs = _clear(vertices_coords, edges_vertices, within, obstacles, pairs)
+    return _one_by_one(vertices_coords, edges_vertices, within, pairs)
+
+
+def _clear(
+    coords: FloatArray, edges: IntArray, within: BoolArray, obstacles: IntArray, pairs: IntArray
+) -> IntArray:
+    """The pairs that see each other within the region, short ones first."""
+    pairs = pairs[_visible(coords, edges, obstacles, pairs)]
+    pairs = pairs[_inside(coords, edges, within, pairs)]
+    span = np.diff(coords[pairs], axis=1)[:, 0]
+    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0], np.round(np.hypot(*span.T), 9)))]
+
+
+def _least(
+    coords: FloatArray, edges: IntArray, within: BoolArray, pairs: IntArray
+) -> IntArray | None:
+    """Of bridges that do not cross, few that suffice; None where all of them do not.
+
+    The polygons on both sides of a bridge are joined, longest bridges first, where they have
+    nothing but its ends in common.
+    """
+    count = len(pairs)
+    corners, offsets, walk = walks_of(coords, np.concatenate([edges, pairs]))
+    sides = np.concatenate([within, np.ones((count, 2), bool)])
+    region = np.unique(walk[sides.T.ravel()])
+    rings = {number: corners[offsets[number] : offsets[number + 1]].tolist() for number in region}
+    if any(len(set(ring)) != len(ring) for ring in rings.values()):
+        return None
+    if (ring_areas(coords[corners], offsets)[region] <= 0).any():
+        return None  # an island that no bridge leads to
+    members = {number: set(ring) for number, ring in rings.items()}
+    stands = list(range(len(offsets) - 1))
+
+    def of(number: int) -> int:
+        while stands[number] != number:
+            stands[number] = stands[stands[number]]
+            number = stands[number]
+        return number
+
+    left, right = walk[: len(sides)], walk[len(sides) :]
+    kept = np.ones(count, bool)
+    for bridge in range(count - 1, -1, -1):
+        first, second = of(int(left[len(edges) + bridge])), of(int(right[len(edges) + bridge]))
+        if len(members[first]) < len(members[second]):
+            first, second = second, first
+        common = sum(vertex in members[first] for vertex in members[second])
+        if first != second and common == 2:
+            members[first] |= members.pop(second)
+            stands[second] = first
+            kept[bridge] = False
+    return pairs[kept]
+
+
+def _delaunay(vertices: IntArray, points: FloatArray) -> IntArray:
+    """Sides of Delaunay triangles over points, by the numbers of these, shape (n, 2)."""
+    if len(points) < 3:
+        return np.empty((0, 2), np.int64)
+    try:
+        triangles = Delaunay(points - points.mean(axis=0)).simplices
+    except QhullError:  # all on a line
+        return np.empty((0, 2), np.int64)
+    sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, 1:], triangles[:, ::2]]), 1)
+    return np.asarray(vertices[np.unique(sides, axis=0)], np.int64)
+
+
+def _one_by_one(
+    coords: FloatArray, edges: IntArray, within: BoolArray, pairs: IntArray
+) -> IntArray | None:
+    """Of bridges that may cross, the shortest that still helps, until all polygons are simple."""
     chosen = np.empty((0, 2), np.int64)
-    count = len(vertices_coords)
+    count = len(coords)
     while True:
-        part = labels(np.concatenate([edges_vertices, chosen]), count)
+        part = labels(np.concatenate([edges, chosen]), count)
         apart = np.flatnonzero(part[pairs[:, 0]] != part[pairs[:, 1]])
         if len(apart):
             bridge = pairs[apart[:1]]
-        elif len(np.unique(part[edges_vertices])) > 1:
+        elif len(np.unique(part[edges])) > 1:
             return None
         else:
-            loop = _first_loop(vertices_coords, edges_vertices, within, chosen)
+            loop = _first_loop(coords, edges, within, chosen)
             if loop is None:
                 return chosen
             inside, outside = loop
@@ -53,7 +128,7 @@ def bridges(
                 return None
             bridge = pairs[useful[:1]]
         chosen = np.concatenate([chosen, bridge])
-        pairs = pairs[_visible(vertices_coords, bridge, bridge[:0], pairs)]
+        pairs = pairs[_visible(coords, bridge, bridge[:0], pairs)]
 
 
 def _candidates(coords: FloatArray, edges: IntArray) -> IntArray:
@@ -100,18 +175,18 @@ def _visible(
 
 
 def _inside(coords: FloatArray, edges: IntArray, within: BoolArray, pairs: IntArray) -> BoolArray:
-    """Which connections run through the region, by the parity of what a ray from them crosses."""
-    sides = edges[within[:, 0] != within[:, 1]]
-    middles = coords[pairs].mean(axis=1)
-    a, b = coords[sides].swapaxes(0, 1)
-    out = np.zeros(len(pairs), bool)
-    for begin in range(0, len(pairs), 4096):
-        x, y = middles[begin : begin + 4096].T[:, :, None]
-        over = (a[:, 1] > y) != (b[:, 1] > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = a[:, 0] + (y - a[:, 1]) / (b[:, 1] - a[:, 1]) * (b[:, 0] - a[:, 0])
-        out[begin : begin + 4096] = (over & (at > x)).sum(axis=1) % 2 == 1
-    return out
+    """Which connections, that cross no edge, run through the region."""
+    corners, offsets, walk = walks_of(coords, edges)
+    rings = [corners[offsets[i] : offsets[i + 1]] for i in np.unique(walk[within.T.ravel()])]
+    # walks along an edge with the region on both sides count twice, and so do not count
+    areas = [float(ring_areas(coords[ring], np.array([0, len(ring)]))[0]) for ring in rings]
+    outer = int(np.argmax(areas))
+    region = shapely.Polygon(
+        coords[rings[outer]], [coords[ring] for i, ring in enumerate(rings) if i != outer]
+    )
+    shapely.prepare(region)
+    inside: BoolArray = shapely.intersects_xy(region, *coords[pairs].mean(axis=1).T)
+    return inside
 
 
 def _first_loop(
