@@ -224,6 +224,17 @@ def _faces(regions: Regions, solid: BoolArray) -> Faces:
     return Faces(corners, offsets, np.arange(len(offsets) - 1))
 
 
+def _members(owner: IntArray, wanted: IntArray) -> tuple[IntArray, IntArray]:
+    """Offsets and places: where each wanted owner is among owners."""
+    order = np.argsort(owner, kind="stable")
+    rising = np.append(wanted, np.iinfo(np.int64).max)
+    offsets = np.searchsorted(owner[order], rising)
+    ends = np.searchsorted(owner[order], wanted, "right")
+    chosen = [order[i:j] for i, j in zip(offsets[:-1].tolist(), ends.tolist(), strict=True)]
+    sizes = np.array([len(part) for part in chosen])
+    return np.concatenate([[0], np.cumsum(sizes)]), np.concatenate(chosen)
+
+
 def _bridged(lines: Lines, first: int) -> tuple[Lines, Faces, list[Repair]]:
     """The lines with joins (J) that divide faces around islands into simple ones; all faces.
 
@@ -238,14 +249,17 @@ def _bridged(lines: Lines, first: int) -> tuple[Lines, Faces, list[Repair]]:
     loose = np.flatnonzero(~closed)
     middles = lines.coords[lines.pairs[loose]].mean(axis=1)
     place = points_within(middles, lines.coords, regions)
+    side, edge = _members(regions.sides.ravel(), broken)
+    hold, line = _members(place, broken)
     found = []
-    for region in broken.tolist():
-        within = regions.sides == region
-        around = within.any(axis=1)
-        sides, ends = lines.pairs[rows[around]], lines.pairs[loose[place == region]]
-        pairs = bridges(lines.coords, sides, within[around], ends)
+    for number, region in enumerate(broken.tolist()):
+        around = np.unique(edge[side[number] : side[number + 1]] // 2)
+        within = regions.sides[around] == region
+        sides = lines.pairs[rows[around]]
+        ends = lines.pairs[loose[np.sort(line[hold[number] : hold[number + 1]])]]
+        pairs = bridges(lines.coords, sides, within, ends)
         if pairs is None:  # lines that end within the face are in the way: they become sides
-            both = np.concatenate([within[around], np.ones((len(ends), 2), bool)])
+            both = np.concatenate([within, np.ones((len(ends), 2), bool)])
             pairs = bridges(lines.coords, np.concatenate([sides, ends]), both, ends[:0])
         if pairs is None:
             ring = regions.corners[regions.offsets[region] : regions.offsets[region + 1]]

@@ -16,8 +16,8 @@ __all__ = ["bridges"]
 # Up to this many corners all pairs are tried, beyond it the nearest ones of each.
 _ALL_PAIRS = 300
 _NEAREST = 12
-# With more corners, bridges are not tried one by one.
-_MOST_TRIED = 1000
+# With more corners, bridges are not tried one by one; with more edges, not at all.
+_MOST_TRIED, _MOST_EDGES = 1000, 70_000
 
 
 def bridges(
@@ -30,15 +30,19 @@ def bridges(
     bridges must not touch. Short bridges are preferred; None where those that were tried do not
     suffice.
     """
-    vertices = np.unique(edges_vertices)
-    sides = _delaunay(vertices, vertices_coords[vertices])
-    pairs = _clear(vertices_coords, edges_vertices, within, obstacles, sides)
-    found = _least(vertices_coords, edges_vertices, within, pairs)
-    if found is not None or len(vertices) > _MOST_TRIED:
-        return found
-    pairs = _candidates(vertices_coords, edges_vertices)
-    pairs = _clear(vertices_coords, edges_vertices, within, obstacles, pairs)
-    return _one_by_one(vertices_coords, edges_vertices, within, pairs)
+    lines = np.concatenate([edges_vertices, obstacles])
+    if len(lines) > _MOST_EDGES:
+        return None
+    used, own = np.unique(lines, return_inverse=True)  # a region is a small part of a sheet
+    edges, obstacles = np.split(own.reshape(-1, 2), [len(edges_vertices)])
+    coords = vertices_coords[used]
+    corners = np.unique(edges)
+    pairs = _clear(coords, edges, within, obstacles, _delaunay(corners, coords[corners]))
+    found = _least(coords, edges, within, pairs)
+    if found is None and len(corners) <= _MOST_TRIED:
+        pairs = _clear(coords, edges, within, obstacles, _candidates(coords, edges))
+        found = _one_by_one(coords, edges, within, pairs)
+    return None if found is None else used[found]
 
 
 def _clear(
@@ -179,6 +183,7 @@ def _inside(coords: FloatArray, edges: IntArray, within: BoolArray, pairs: IntAr
     corners, offsets, walk = walks_of(coords, edges)
     rings = [corners[offsets[i] : offsets[i + 1]] for i in np.unique(walk[within.T.ravel()])]
     # walks along an edge with the region on both sides count twice, and so do not count
+    rings = [ring for ring in rings if len(ring) > 2]  # others are single edges
     areas = [float(ring_areas(coords[ring], np.array([0, len(ring)]))[0]) for ring in rings]
     outer = int(np.argmax(areas))
     region = shapely.Polygon(
