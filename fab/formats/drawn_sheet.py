@@ -30,12 +30,12 @@ class DrawnSheet:
     Attributes
     ----------
     lines : the sides of the faces and those that end within one.
-    stands : for each edge of the planar graph the one that it is part of, -1 where it is left out.
+    kept_as : for each edge of the planar graph the one that it is part of, -1 where it is left out.
     """
 
     faces: Faces
     lines: Lines
-    stands: IntArray
+    kept_as: IntArray
     repairs: tuple[Repair, ...]
     findings: tuple[Finding, ...]
 
@@ -50,7 +50,7 @@ def drawn_sheet(
     Raises `InvalidFile` for open outlines, and borders within the sheet unless they may be cuts.
     """
     lines, repairs = with_border(planar.lines, tolerance_mm)
-    stands = np.arange(len(lines.planar))
+    kept_as = np.arange(len(lines.planar))
     closed, regions, solid = _solids(lines)
     findings = []
     if not solid.any():
@@ -78,16 +78,16 @@ def drawn_sheet(
             f"{place_of(start)} to {place_of(end)}. Draw the border around what belongs to it."
         )
         repairs.append(Repair("line-outside", Severity.WARNING, text, rows[:0]))
-        stands[lines.planar[outside]] = -1
+        kept_as[lines.planar[outside]] = -1
         lines = lines.part(~outside)
     if joins_runs:
-        lines, joined, of = _joined_runs(lines, stands)
+        lines, joined, of = _joined_runs(lines, kept_as)
         repairs += joined
-        stands = of
-    lines, faces, added = _bridged(lines, len(stands))
+        kept_as = of
+    lines, faces, added = _bridged(lines, len(kept_as))
     repairs += added
-    stands = np.concatenate([stands, lines.planar[lines.planar >= len(stands)]])
-    return DrawnSheet(faces, lines, stands, tuple(repairs), tuple(findings))
+    kept_as = np.concatenate([kept_as, lines.planar[lines.planar >= len(kept_as)]])
+    return DrawnSheet(faces, lines, kept_as, tuple(repairs), tuple(findings))
 
 
 def _solids(lines: Lines) -> tuple[BoolArray, Regions, BoolArray]:
@@ -161,7 +161,7 @@ def _outside(lines: Lines, closed: BoolArray, regions: Regions, solid: BoolArray
     return out
 
 
-def _joined_runs(lines: Lines, stands: IntArray) -> tuple[Lines, list[Repair], IntArray]:
+def _joined_runs(lines: Lines, kept_as: IntArray) -> tuple[Lines, list[Repair], IntArray]:
     """Straight runs of one letter and angle as single edges."""
     count = len(lines.coords)
     degree = np.bincount(lines.pairs.ravel(), minlength=count)
@@ -178,7 +178,7 @@ def _joined_runs(lines: Lines, stands: IntArray) -> tuple[Lines, list[Repair], I
     )
     straight = alike & (turn <= _STRAIGHT * size) & ((before * after).sum(axis=1) < 0)
     if not straight.any():
-        return lines, [], stands
+        return lines, [], kept_as
     run = labels(np.column_stack([a, b])[straight], len(lines.pairs))
     members = np.bincount(run)
     rows = np.flatnonzero(members[run] > 1)
@@ -186,7 +186,7 @@ def _joined_runs(lines: Lines, stands: IntArray) -> tuple[Lines, list[Repair], I
     starts = np.searchsorted(run[rows], np.unique(run[rows]))
     kept = np.ones(len(lines.pairs), bool)
     pairs = lines.pairs.copy()
-    head_of = np.arange(len(stands))
+    head_of = np.arange(len(kept_as))
     diagonal = float(np.hypot(*np.ptp(lines.coords, axis=0)))
     gone = 0
     named = []
@@ -205,15 +205,15 @@ def _joined_runs(lines: Lines, stands: IntArray) -> tuple[Lines, list[Repair], I
         named.append(own[0])
         gone += len(own) - 1
     if not gone:
-        return lines, [], stands
+        return lines, [], kept_as
     place = lines.place(named[0])
     text = (
         f"{counted(gone, 'vertex', 'vertices')} in straight runs of one letter and angle removed, "
         f"the first in {lines.name(named[0])} near {place}."
     )
     repair = Repair("runs-joined", Severity.NOTE, text, lines.planar[named])
-    stands = np.where(stands < 0, -1, head_of[stands])
-    return replace(lines, pairs=pairs).part(kept), [repair], stands
+    kept_as = np.where(kept_as < 0, -1, head_of[kept_as])
+    return replace(lines, pairs=pairs).part(kept), [repair], kept_as
 
 
 def _faces(regions: Regions, solid: BoolArray) -> Faces:

@@ -1,6 +1,7 @@
 """Faces that a FOLD file lists, and those of them in which its other lines are.
 
-They hold whatever lies over them: only faces that cannot be parts of one flat sheet are refused.
+They stay as they are, over each other or not: only faces that cannot be parts of one flat sheet
+are refused.
 """
 
 from __future__ import annotations
@@ -58,12 +59,12 @@ def given_faces(
 ) -> tuple[Faces, Lines, list[Finding]]:
     """The faces that a file lists, all counterclockwise, the lines that are left, and findings.
 
-    corners, offsets : of the faces as in the file. merged : for each vertex the one that stands for
-    it. rounding : of the coordinates, mm. A face has no area where its corners lie on a line but
-    for rounding, however small the face is; it is removed with the edges of no other face.
+    corners, offsets : of the faces as in the file. merged : for each vertex the one that it became.
+    rounding : of the coordinates, mm. A face has no area where its corners are on a line but for
+    rounding, however small the face is; it is removed with the edges of no other face.
 
-    Raises `InvalidFile` for faces that cross themselves or that are listed twice, and for two that
-    lie on the same side of their common edge, as in a folded sheet.
+    Raises `InvalidFile` for faces that cross themselves or that are listed twice, and for two on
+    the same side of their common edge, as in a folded sheet.
     """
     findings = []
     count = len(offsets) - 1
@@ -140,9 +141,9 @@ def _refuse_broken(lines: Lines, faces: Faces) -> None:
     if not len(again):
         return
     sides = order[again], order[again + 1]
-    one, two = own[sides[0]], own[sides[1]]
-    first = int(np.lexsort((two, one))[0])
-    f, g = int(one[first]), int(two[first])
+    owners = own[sides[0]], own[sides[1]]
+    first = int(np.lexsort(owners[::-1])[0])
+    f, g = int(owners[0][first]), int(owners[1][first])
     names = f"faces {faces.number[f]} and {faces.number[g]}"
     if set(faces.ring(f).tolist()) == set(faces.ring(g).tolist()):
         raise InvalidFile(f"{lines.path}: {names} have the same corners. Remove one of them.")
@@ -157,9 +158,9 @@ def _refuse_broken(lines: Lines, faces: Faces) -> None:
 def _refuse_crossings(lines: Lines, near: float) -> None:
     found = first_crossing(lines.coords, lines.pairs, near, np.isin(lines.letters, _MARKED))
     if found is not None:
-        one, two, (x, y) = found
+        first, second, (x, y) = found
         raise InvalidFile(
-            f"{lines.path}: edges {lines.number[one]} and {lines.number[two]} meet at "
+            f"{lines.path}: edges {lines.number[first]} and {lines.number[second]} meet at "
             f"({x:.6g}, {y:.6g}) mm without a common vertex there. Split both at that point, or "
             "remove one."
         )
@@ -168,7 +169,7 @@ def _refuse_crossings(lines: Lines, near: float) -> None:
 def _within(
     points: FloatArray, coords: FloatArray, corners: IntArray, offsets: IntArray
 ) -> tuple[IntArray, IntArray]:
-    """Points, and faces that they lie inside of, a row for each such pair."""
+    """Points, and faces that they are inside of, a row for each such pair."""
     own = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     shapes = shapely.polygons(shapely.linearrings(coords[corners], indices=own))
     point, face = shapely.STRtree(shapes).query(shapely.points(points), "within")
@@ -176,15 +177,15 @@ def _within(
 
 
 def faces_around(lines: Lines, faces: Faces, edges_faces: IntArray, near: float) -> IntArray:
-    """The face that each line but the first ones, which are sides of faces, lies in.
+    """The face that each line but the first ones, which are sides of faces, is in.
 
-    Lines that meet elsewhere than in a corner lie in the same face. Where faces lie over each other
+    Lines that meet elsewhere than in a corner are in the same face. Where faces are over each other
     it is the one that has a corner in common with them.
 
     edges_faces : the faces beside the lines that are sides, shape (m, 2).
 
     Raises `InvalidFile` for lines that leave their face, end on a side of it or cross each other,
-    and for those that may lie in either of two faces.
+    and for those that may be in either of two faces.
     """
     count = len(edges_faces)
     loose = lines.part(np.arange(count, len(lines.pairs)))
@@ -251,25 +252,25 @@ def refuse_abutting(lines: Lines, near: float) -> None:
     """
     found = first_abutting(lines.coords, lines.pairs, near, np.isin(lines.letters, _MARKED))
     if found is not None:
-        one, two, (x, y) = found
+        first, second, (x, y) = found
         raise InvalidFile(
-            f"{lines.path}: edges {lines.number[one]} and {lines.number[two]} lie on each other at "
-            f"({x:.6g}, {y:.6g}) mm, each with a face on one side alone. Let the faces on both "
+            f"{lines.path}: edges {lines.number[first]} and {lines.number[second]} lie on each "
+            f"other at ({x:.6g}, {y:.6g}) mm, each with a face on one side alone. Let the faces on both "
             "sides have the same vertices there, or make both edges borders (B)."
         )
 
 
 def overlap_findings(lines: Lines, faces: Faces, edges: Edges) -> list[Finding]:
-    """What is told of faces that lie over each other."""
+    """What is reported of faces that are over each other."""
     pairs = overlapping_faces(lines.coords, faces.corners, faces.offsets, edges)
     if not len(pairs):
         return []
     which = np.unique(pairs)
-    one, two = faces.number[pairs[0]]
+    first, second = faces.number[pairs[0]]
     x, y = lines.coords[faces.ring(int(pairs[0, 0]))].mean(axis=0)
     text = (
         f"the sheet overlaps itself: {len(which)} of {len(faces.number)} faces lie over others, "
-        f"the first are {one} and {two}, near ({x:.6g}, {y:.6g}) mm. They have to be cut as "
+        f"the first are {first} and {second}, near ({x:.6g}, {y:.6g}) mm. They have to be cut as "
         "different pieces."
     )
     return [_of_faces("sheet-overlaps", Severity.NOTE, text, faces.number[which])]

@@ -200,7 +200,7 @@ def _chosen(
     patterns: int,
     findings: list[Finding],
 ) -> Frames:
-    """Frames with the folded ones told apart, and what is reported of the sheet's plane."""
+    """Frames with the folded form apart from other states, and findings about the sheet's plane."""
     if sheet.plane:
         findings = [*findings, Finding("frame-turned", Severity.NOTE, sheet.plane)]
     if sheet.side_assumed:

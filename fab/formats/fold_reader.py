@@ -176,7 +176,7 @@ def _diagonal(coords: FloatArray) -> float:
 def _lines(
     file: Path, flat: dict[str, Any], coords: FloatArray, faces: tuple[IntArray, IntArray] | None
 ) -> tuple[Lines, IntArray, list[Finding]]:
-    """Edges of the file, each once and with length, the vertex that stands for each, findings."""
+    """Edges of the file, each once and with length, what each vertex became, and findings."""
     pairs, findings = _pairs(file, flat, len(coords), faces)
     letters, found = _letters(file, flat, len(pairs))
     findings += found
@@ -366,7 +366,7 @@ def _distinct(
     letters: Letters,
     reach: FloatArray,
 ) -> tuple[BoolArray, IntArray, IntArray, list[Finding]]:
-    """Which edges stay, their vertices, for each vertex the one that stands for it, and findings.
+    """Which edges stay, their vertices, what each vertex became, and findings.
 
     reach : edges that are no longer than this have no length, mm, shape (n,).
     """

@@ -20,7 +20,7 @@ __all__ = ["fold_bytes"]
 
 
 def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ()) -> bytes:
-    """The FOLD file: the crease pattern as key frame, then the folded form and states on the way.
+    """The FOLD file: the crease pattern as key frame, then the folded form and other states.
 
     states : titles and points (nv, 3), mm, each with the fold angles that it has (cuts have none).
         Raises `InvalidValue` for points that do not fit, or faces without area.

@@ -163,9 +163,9 @@ def pattern_of_sheet(
 
 def findings_of(sheet: DrawnSheet, made: SheetPattern) -> list[Finding]:
     """All findings about a sheet, with the numbers of the pattern's edges."""
-    row = np.full(len(sheet.stands) + 1, -1)
+    row = np.full(len(sheet.kept_as) + 1, -1)
     row[made.lines.planar] = np.arange(len(made.lines.planar))
-    numbers = row[sheet.stands]  # the last entry is that of what is left out
+    numbers = row[sheet.kept_as]  # the last entry is that of what is left out
     repairs = [repair.finding(numbers) for repair in sheet.repairs]
     return [*repairs, *sheet.findings, *made.findings]
 

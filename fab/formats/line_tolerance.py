@@ -88,7 +88,7 @@ def _smooth_joints(coords: FloatArray, element: IntArray, length: FloatArray) ->
 
 
 def _reach(tolerance: float, length: FloatArray, smooth: BoolArray) -> FloatArray:
-    """Ends reach as far as the tolerance; joints of curves a third of the shorter line there."""
+    """Ends reach as far as the tolerance; joints of curves a third of the shorter line."""
     reach = np.full((len(length), 2), tolerance)
     joint = np.minimum(tolerance, _LENGTH_REL * np.minimum(length[:-1], length[1:]))
     rows = np.flatnonzero(smooth)

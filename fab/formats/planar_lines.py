@@ -63,8 +63,8 @@ def ranks_of(letters: Letters) -> IntArray:
 def planar_lines(drawn: DrawnLines, tolerance: Tolerance) -> PlanarLines:
     """The planar graph of drawn lines. What was changed to get there is in its repairs.
 
-    Raises `InvalidFile` for mountains that lie on valleys, and where the tolerance is too large for
-    the drawing.
+    Raises `InvalidFile` for mountains in the places of valleys, for too many crossings, and where
+    the tolerance is too large for the drawing.
     """
     named = drawn.named
     try:
@@ -143,7 +143,7 @@ def _refuse_both(named: Lines, graph: Arrangement, edge: int, count: int) -> Non
 
 
 def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Tolerance) -> list[Repair]:
-    """What is reported of the way from lines to edges."""
+    """What is reported of lines that became edges."""
     size = float(np.hypot(*np.ptp(graph.lines_coords.reshape(-1, 2), axis=0)))
     within = f"(tolerance {tolerance.mm:.4g} mm: {tolerance.reason})"
     line, edge = graph.line_pairs

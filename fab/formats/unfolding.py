@@ -102,13 +102,13 @@ def _placed(
     second: IntArray,
 ) -> FloatArray:
     """Corners of all faces in one plane: each beside the face that it is reached from."""
-    there: list[list[tuple[int, int]]] = [[] for _ in range(len(offsets) - 1)]
+    neighbours: list[list[tuple[int, int]]] = [[] for _ in range(len(offsets) - 1)]
     for own, other in zip(
         np.concatenate([first, second]).tolist(),
         np.concatenate([second, first]).tolist(),
         strict=True,
     ):
-        there[face[own]].append((own, other))
+        neighbours[face[own]].append((own, other))
     z = local[:, 0] + 1j * local[:, 1]
     out = np.zeros(len(z), complex)
     side = np.zeros(len(offsets) - 1, np.int64)  # -1 for faces that are turned over
@@ -120,7 +120,7 @@ def _placed(
         waiting = deque([root])
         while waiting:
             at = waiting.popleft()
-            for own, other in there[at]:
+            for own, other in neighbours[at]:
                 new = int(face[other])
                 if side[new]:
                     continue

@@ -1,7 +1,7 @@
 """The planar graph of straight lines that cross, overlap, repeat, and miss each other by a little.
 
 Ends that are nearer than a tolerance become one vertex, ends that miss a line by less are moved
-onto it, lines are split where they cross, and what lies on each other becomes one edge. Moving an
+onto it, lines are split where they cross, and what is on each other becomes one edge. Moving an
 end may lead to new crossings: all steps are repeated until nothing changes.
 
 Lines are sorted by their coordinates first, so that neither their order nor their direction
@@ -32,7 +32,7 @@ _DIGITS_REL = 3e-6
 # begin on that line, and part from it by less, are on it.
 _NEEDLE, _DOUBLE = 0.1, 0.02
 # An end goes on along its own line up to this many tolerances; beyond, straight to the other one.
-_LONGEST_WAY = 2.0
+_FARTHEST = 2.0
 # A vertex is moved this often at most; then lines are bent to it.
 _MOST_MOVES = 3
 _MOST_ROUNDS = 40
@@ -110,7 +110,7 @@ class Arrangement:
         return np.flatnonzero(crossing), np.flatnonzero(joint)
 
     def repeated(self) -> BoolArray:
-        """Which lines lie on earlier ones from end to end, shape (n,)."""
+        """Which lines are on earlier ones from end to end, shape (n,)."""
         line, _ = self.line_pairs
         first = np.ones(len(line), bool)
         first[1:] = np.diff(np.repeat(np.arange(len(self.edges_count)), self.edges_count)) > 0
@@ -235,12 +235,12 @@ def _merged(web: _Web) -> tuple[_Web, bool]:
     weight = np.bincount(keys // lines, minlength=len(web.points))[alive]
     order = np.lexsort((points[:, 1], points[:, 0], -weight, group))
     _, first = np.unique(group[order], return_index=True)
-    stands = np.arange(len(web.points))
-    stands[alive] = alive[order[first]][group]
-    ends = stands[web.ends]
+    merged_into = np.arange(len(web.points))
+    merged_into[alive] = alive[order[first]][group]
+    ends = merged_into[web.ends]
     real = ends[:, 0] != ends[:, 1]
     return replace(
-        web, line=web.line[real], ends=ends[real], lines_ends=stands[web.lines_ends]
+        web, line=web.line[real], ends=ends[real], lines_ends=merged_into[web.lines_ends]
     ), True
 
 
@@ -313,7 +313,7 @@ def _needles(
 
 
 def _places(web: _Web, edges: IntArray, vertex: IntArray, edge: IntArray) -> FloatArray:
-    """Where vertices come to be on an edge: on along their only line, or by the shortest way."""
+    """Where vertices come to be on an edge: on along their only line, or straight."""
     start, span = web.points[edges[edge, 0]], np.diff(web.points[edges[edge]], axis=1)[:, 0]
     points = web.points[vertex]
     foot = (
@@ -329,10 +329,10 @@ def _places(web: _Web, edges: IntArray, vertex: IntArray, edge: IntArray) -> Flo
     along /= np.hypot(*along.T)[:, None]
     sine = _cross(along, span[ends])
     with np.errstate(divide="ignore", invalid="ignore"):
-        way = _cross(start[ends] - points[ends], span[ends]) / sine
-        onward = points[ends] + way[:, None] * along
+        travel = _cross(start[ends] - points[ends], span[ends]) / sine
+        onward = points[ends] + travel[:, None] * along
         share = ((onward - start[ends]) * span[ends]).sum(axis=1) / (span[ends] ** 2).sum(axis=1)
-        good = (np.abs(way) <= _LONGEST_WAY * web.reach[vertex[ends]]) & (share > 0) & (share < 1)
+        good = (np.abs(travel) <= _FARTHEST * web.reach[vertex[ends]]) & (share > 0) & (share < 1)
     foot[ends[good]] = onward[good]
     return np.asarray(foot, np.float64)
 

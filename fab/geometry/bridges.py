@@ -73,12 +73,12 @@ def _least(
     if (ring_areas(coords[corners], offsets)[region] <= 0).any():
         return None  # an island that no bridge leads to
     members = {number: set(ring) for number, ring in rings.items()}
-    stands = list(range(len(offsets) - 1))
+    parent = list(range(len(offsets) - 1))
 
     def of(number: int) -> int:
-        while stands[number] != number:
-            stands[number] = stands[stands[number]]
-            number = stands[number]
+        while parent[number] != number:
+            parent[number] = parent[parent[number]]
+            number = parent[number]
         return number
 
     left, right = walk[: len(sides)], walk[len(sides) :]
@@ -90,7 +90,7 @@ def _least(
         common = sum(vertex in members[first] for vertex in members[second])
         if first != second and common == 2:
             members[first] |= members.pop(second)
-            stands[second] = first
+            parent[second] = first
             kept[bridge] = False
     return pairs[kept]
 
