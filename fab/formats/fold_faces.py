@@ -255,8 +255,8 @@ def refuse_abutting(lines: Lines, near: float) -> None:
         first, second, (x, y) = found
         raise InvalidFile(
             f"{lines.path}: edges {lines.number[first]} and {lines.number[second]} lie on each "
-            f"other at ({x:.6g}, {y:.6g}) mm, each with a face on one side alone. Let the faces on both "
-            "sides have the same vertices there, or make both edges borders (B)."
+            f"other at ({x:.6g}, {y:.6g}) mm, each with a face on one side alone. Let the faces "
+            "on both sides have the same vertices there, or make both edges borders (B)."
         )
 
 
