@@ -173,7 +173,7 @@ def test_an_interrupt_leaves_nothing(tmp_path, monkeypatch, solver):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"edges_foldAngle": 190.0}, "must lie from -180 to 180"),
+        ({"edges_foldAngle": 190.0}, "must be from -180 to 180"),
         ({"vertices_coords": [float("nan"), 0.0]}, "finite"),
     ],
 )
