@@ -13,7 +13,7 @@ from fab.formats.read_options import ReadOptions
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["with_fold_angles"]
+__all__ = ["full_fold_deg", "with_fold_angles"]
 
 # What a crease without an angle folds by, over the driving angle, by its letter.
 _SIGNS = {"M": -1.0, "V": 1.0}
@@ -39,11 +39,7 @@ def with_fold_angles(
     Angles are those of the file, of the folded form, or else `options.fold_deg`. Lines without a
     letter get that of their angle, and are unassigned (U) where they have none either.
     """
-    full = _FULLY_FOLDED_DEG if options.fold_deg is None else options.fold_deg
-    if not 0 < full <= _FULLY_FOLDED_DEG:
-        raise InvalidValue(
-            "fold_deg", options.fold_deg, "be over 0 and at most 180", "Give --fold-deg in degrees."
-        )
+    full = full_fold_deg(options)
     letters, angles = lines.letters, lines.angles
     sign = np.select([letters == letter for letter in _SIGNS], [*_SIGNS.values()])
     unlettered = letters == UNLETTERED
@@ -79,6 +75,16 @@ def with_fold_angles(
         findings.append(_of_lines("fold-angle-contradicts", Severity.WARNING, text, lines, wrong))
         angles[wrong] = sign[wrong] * np.abs(angles[wrong])
     return replace(lines, letters=letters, angles=angles), findings
+
+
+def full_fold_deg(options: ReadOptions) -> float:
+    """What mountains and valleys without an angle fold by. Raises `InvalidValue`."""
+    full = _FULLY_FOLDED_DEG if options.fold_deg is None else options.fold_deg
+    if not 0 < full <= _FULLY_FOLDED_DEG:
+        raise InvalidValue(
+            "fold_deg", options.fold_deg, "be over 0 and at most 180", "Give --fold-deg in degrees."
+        )
+    return full
 
 
 def _of_lines(code: str, severity: Severity, text: str, lines: Lines, rows: np.ndarray) -> Finding:

@@ -36,8 +36,11 @@ __all__ = [
     "require_no_repairs",
 ]
 
-# Findings about what is as it was drawn.
-NO_REPAIRS = ("crease-dangling", "frame-turned", "hole", "runs-joined", "sheet-overlaps")
+# Findings about what is as it was drawn, or as the options ask for it.
+NO_REPAIRS = (
+    *("crease-dangling", "frame-turned", "hole", "runs-joined", "sheet-overlaps"),
+    *("letters-assignable", "letters-assigned", "letters-contradict"),
+)
 _DEFAULT_MM = 1.0
 
 
@@ -49,7 +52,8 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     "unit-unknown", "ends-joined", "ends-extended", "lines-split", "lines-bent", "duplicate-line",
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
     "border-inside", "border-shared", "line-outside", "island-joined", "fold-angle-missing",
-    "fold-angle-contradicts"; and, as no repairs, "runs-joined", "hole", "crease-dangling".
+    "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs, "runs-joined", "hole",
+    "crease-dangling", "letters-assignable", "letters-assigned", "letters-contradict".
     """
     options = ReadOptions() if options is None else options
     findings = list(soup.findings)

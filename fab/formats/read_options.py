@@ -24,8 +24,10 @@ class ReadOptions:
         come before the format's customs.
     border : "drawn", or "hull": the convex hull of all lines where no border is drawn.
     inner_border : what a border with faces on both sides is: "refuse" or "cut".
+    assign : give letters to creases without one (U) where flat folding leaves one possibility only.
     fold_deg : fold angle of mountains and valleys that have none; None: 180.
-    rigid : find the fold angles of which none is given by folding rigidly, up to `fold_deg`.
+    rigid : take the fold angles of a rigid fold up to `fold_deg`. Readers leave that to commands:
+        `fab.folding.rigid_angles`.
     frame : number of the crease pattern among several of one file, from 1; None: the first.
     """
 
@@ -35,6 +37,7 @@ class ReadOptions:
     colours: Mapping[str, str] = field(default_factory=dict)
     border: Literal["drawn", "hull"] = "drawn"
     inner_border: Literal["refuse", "cut"] = "refuse"
+    assign: bool = False
     fold_deg: float | None = None
     rigid: bool = False
     frame: int | None = None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, first_few
+from fab.formats.crease_letters import lettered
 from fab.formats.fold_angles import with_fold_angles
 from fab.formats.lines import Faces, Lines
 from fab.formats.read_options import ReadOptions
@@ -95,6 +96,10 @@ def sheet_pattern(
         faces.offsets,
         None if folded is None else folded[used],
     )
+    if folded is None:
+        pattern, found = lettered(pattern, lines, options)
+        findings += found
+        lines = replace(lines, letters=pattern.edges_assignment, angles=pattern.edges_foldAngle)
     return SheetPattern(pattern, lines, edges, used, tuple(findings))
 
 
