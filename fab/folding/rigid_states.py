@@ -11,7 +11,7 @@ from fab.folding.quasi_static import damped
 from fab.folding.rotation_predictor import RotationPredictor
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["rigid_coords"]
+__all__ = ["crease_jacobian", "rigid_coords"]
 
 _STEPS = 20
 _CLOSED_RAD = 1e-12
@@ -48,7 +48,7 @@ def rigid_coords(
         if worst <= _CLOSED_RAD or (worst <= _NEARLY_RAD and worst >= before):
             return predictor.coords(angles)
         before = worst
-        jacobian = _jacobian(closure.hinges, slopes[0], column)
+        jacobian = crease_jacobian(closure.hinges, slopes[0], column)
         normal = (jacobian @ jacobian.T).tocsc()
         angles[creases] -= jacobian.T @ damped(normal, _DAMPING).solve(missed.ravel())
         if not np.abs(angles - begin).max() <= _FARTHEST_RAD:
@@ -56,7 +56,7 @@ def rigid_coords(
     return None
 
 
-def _jacobian(hinges: IntArray, slopes: FloatArray, column: IntArray) -> csc_array:
+def crease_jacobian(hinges: IntArray, slopes: FloatArray, column: IntArray) -> csc_array:
     """Of the errors around all vertices by the angles of the k creases, shape (3 m, k).
 
     column : shape (nh,), that of each hinge, -1 for facet creases.

@@ -27,7 +27,7 @@ def lettered(
     count = len(forced.edges)
     creases = first_few(sorted(lines.number[forced.edges].tolist()))
     if not options.assign:
-        if not count:
+        if not count or len(forced.contradictory):  # such a sheet need not fold flat
             return pattern, []
         text = (
             f"{counted(count + forced.free, 'crease')} without a letter, of which {count} can have "

@@ -10,6 +10,7 @@ from fab.errors import Finding, Severity, first_few
 from fab.formats.line_soup import UNLETTERED
 from fab.formats.lines import Lines
 from fab.formats.read_options import ReadOptions
+from fab.pattern.crease_pattern import FLAT_ANGLE_DEG
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray
 
@@ -36,6 +37,9 @@ def with_fold_angles(
     NaN where it has none, shape (n,). none_given : what to call a file in which no line has an
     angle; empty where some have.
 
+    Mountains and valleys whose angle is 0 are flat creases (F), unless it is that of all of them:
+    a flat sheet was stored, and its letters say how it folds.
+
     Angles are those of the file, of the folded form, or else `options.fold_deg`. Lines without a
     letter get that of their angle, and are unassigned (U) where they have none either.
     """
@@ -43,8 +47,19 @@ def with_fold_angles(
     letters, angles = lines.letters, lines.angles
     sign = np.select([letters == letter for letter in _SIGNS], [*_SIGNS.values()])
     unlettered = letters == UNLETTERED
-    lacking = np.isnan(angles) & ((sign != 0) | (letters == "U") | unlettered) & ~border
     findings = []
+    folding = (sign != 0) & ~border
+    stored = folding & ~np.isnan(angles)
+    flat = stored & (np.abs(angles) <= FLAT_ANGLE_DEG)
+    if flat.any() and flat[stored].all():  # nothing but the flat state, which letters exceed
+        rows = np.flatnonzero(flat)
+        text = (
+            f"{lines.named(rows)} with fold angle 0, as in the flat sheet: the letters hold, and "
+            f"the angles count as not given{'' if measured is not None else f' ({full:g} degrees)'}."
+        )
+        findings.append(_of_lines("fold-angle-zero", Severity.WARNING, text, lines, rows))
+        angles = np.where(flat, np.nan, angles)
+    lacking = np.isnan(angles) & ((sign != 0) | (letters == "U") | unlettered) & ~border
     if measured is not None and lacking.any():
         sideless = (sign != 0) & (np.abs(measured) > _FULLY_FOLDED_DEG - _SIDELESS_DEG)
         measured = np.where(sideless, sign * _FULLY_FOLDED_DEG, measured)
@@ -53,7 +68,7 @@ def with_fold_angles(
             text = f"{lines.named(rows)} without fold angle: that of the folded form is taken."
             findings.append(_of_lines("fold-angle-measured", Severity.NOTE, text, lines, rows))
         angles = np.where(lacking, measured, angles)
-    rows = np.flatnonzero(np.isnan(angles) & (sign != 0))
+    rows = np.flatnonzero(np.isnan(angles) & (sign != 0) & ~flat)
     if len(rows) and options.fold_deg is None:
         text = f"{lines.named(rows)} without fold angle: folded by {full:g} degrees."
         if none_given:
@@ -64,6 +79,15 @@ def with_fold_angles(
     signed = np.where(border, "B", np.where(np.isnan(angles), "U", signed))
     letters = np.where(unlettered, signed, letters)
     angles = np.where(np.isnan(angles), sign * full, angles)
+    still = np.flatnonzero(folding & (np.abs(angles) <= FLAT_ANGLE_DEG))
+    if len(still):
+        text = (
+            f"{lines.named(still)}: {'mountains and valleys' if len(still) > 1 else 'a crease'} "
+            "with fold angle 0 among others that fold: taken for flat (F)."
+        )
+        findings.append(_of_lines("fold-angle-zero", Severity.WARNING, text, lines, still))
+        letters, sign = letters.copy(), sign.copy()
+        letters[still], sign[still], angles[still] = "F", 0.0, 0.0
     wrong = np.flatnonzero((angles * sign < 0) | ((letters == "F") & (angles != 0)))
     if len(wrong):
         wrong = wrong[np.argsort(lines.number[wrong], kind="stable")]
