@@ -40,6 +40,8 @@ _PROJECTIONS = 6
 _CLEAR_RAD = np.radians(2.0)
 # Where states with the signs of the letters are sought: all creases at this angle, at first.
 _BEGINNINGS_DEG = (30.0, 60.0, 10.0, 90.0, 120.0)
+# A direction along which the sheet moves by a smaller share than wanted is rounding.
+_MOVES = 1e-6
 # From station to station no crease turns by more.
 _STRIDE_RAD = np.radians(4.0)
 _LEAST_STRIDE_RAD = np.radians(0.01)
@@ -197,15 +199,14 @@ def _beginning(creases: _Creases) -> tuple[FloatArray | None, FloatArray]:
     """
     tried = []
     for degrees in _BEGINNINGS_DEG:
-        found = creases.signs * np.radians(degrees)
+        angles = creases.signs * np.radians(degrees)
         for _ in range(_PROJECTIONS):
-            found = _closed(creases, found)
-            gap = _gap(creases, found)
-            allowed = creases.allow(found)
-            if gap <= _CLOSED_RAD and allowed and np.abs(found).max() > _NEARLY_FLAT_RAD:
-                return found, found
-            tried.append((gap if allowed else np.inf, found))
-            found = creases.nearest_allowed(found)
+            angles = _closed(creases, angles)
+            folds = np.abs(angles).max() > _NEARLY_FLAT_RAD
+            if folds and creases.allow(angles) and _gap(creases, angles) <= _CLOSED_RAD:
+                return angles, angles
+            angles = creases.nearest_allowed(angles)
+            tried.append((_gap(creases, angles), angles))
     return None, min(tried, key=lambda pair: pair[0])[1]
 
 
@@ -231,9 +232,7 @@ def _unfolded(creases: _Creases, angles: FloatArray) -> FloatArray:
     return angles
 
 
-def _folded(
-    creases: _Creases, angles: FloatArray, goal_rad: float
-) -> tuple[FloatArray, bool]:
+def _folded(creases: _Creases, angles: FloatArray, goal_rad: float) -> tuple[FloatArray, bool]:
     """The state ahead whose largest angle is the goal, and whether it is reached."""
     stride = _STRIDE_RAD
     for _ in range(_MOST_STATIONS):
@@ -261,7 +260,8 @@ def _along(creases: _Creases, angles: FloatArray, wanted: FloatArray) -> FloatAr
     _, jacobian = creases.linearised(angles)
     out = wanted - _shortest(jacobian, jacobian @ wanted)
     largest = float(np.abs(out).max())
-    return out / largest if largest > 1e-6 * np.abs(wanted).max() else None
+    moves = largest > _MOVES * float(np.abs(wanted).max())
+    return np.asarray(out / largest, np.float64) if moves else None
 
 
 def _stepped(creases: _Creases, angles: FloatArray, step: FloatArray) -> FloatArray | None:
@@ -281,9 +281,7 @@ def _ended(
         share = (goal_rad - np.abs(angles[held])) / (np.abs(ahead[held]) - np.abs(angles[held]))
         begin = angles + share * (ahead - angles)
         begin[held] = np.sign(begin[held]) * goal_rad
-        folded = np.where(
-            np.abs(begin) > np.pi - _STRIDE_RAD / 2, np.copysign(np.pi, begin), begin
-        )
+        folded = np.where(np.abs(begin) > np.pi - _STRIDE_RAD / 2, np.copysign(np.pi, begin), begin)
         if goal_rad == np.pi and _gap(creases, folded) <= _EXACT_RAD:
             return folded  # flat, where Newton's method would be slow
         found = _closed(creases, begin, held)
@@ -319,7 +317,7 @@ def _checked(
     error = max(kinematics.closure_max_rad, kinematics.gap_rad)
     if error > _CLOSED_RAD or gap > _GAP_REL:
         text = (
-            "with these mountains and valleys and flat faces the sheet does not fold: around a "
+            "no fold with flat faces and these mountains and valleys is found: around a "
             f"hole its faces miss each other by {kinematics.gap_mm:.3g} mm and {error:.3g} rad. "
             "The fold angles stay."
         )
@@ -332,13 +330,11 @@ def _checked(
     return made, [Finding("rigid-fold", Severity.NOTE, text)]
 
 
-def _not_closing(
-    pattern: CreasePattern, creases: _Creases, angles: FloatArray
-) -> Finding:
+def _not_closing(pattern: CreasePattern, creases: _Creases, angles: FloatArray) -> Finding:
     """The vertex at which the best angles that were found close worst."""
     made = _with_angles(creases.frame.sheet.pattern, creases, angles)
     gaps = np.nan_to_num(vertices_closure_rad(made))
-    text = "the sheet does not fold with flat faces, these mountains and valleys: "
+    text = "no fold with flat faces and these mountains and valleys is found: "
     if gaps.max() > _CLOSED_RAD:
         worst = int(creases.frame.sheet.vertices_source[gaps.argmax()])
         x, y = pattern.vertices_coords[worst]
@@ -348,5 +344,5 @@ def _not_closing(
         )
     else:
         text += "the letters do not suit each other. "
-    text += "The fold angles stay as without --rigid."
+    text += "The fold angles stay."
     return Finding("rigid-fold-missing", Severity.WARNING, text)

@@ -53,9 +53,10 @@ def with_fold_angles(
     flat = stored & (np.abs(angles) <= FLAT_ANGLE_DEG)
     if flat.any() and flat[stored].all():  # nothing but the flat state, which letters exceed
         rows = np.flatnonzero(flat)
+        instead = f"folded by {full:g} degrees" if measured is None else "measured"
         text = (
-            f"{lines.named(rows)} with fold angle 0, as in the flat sheet: the letters hold, and "
-            f"the angles count as not given{'' if measured is not None else f' ({full:g} degrees)'}."
+            f"{lines.named(rows)} with fold angle 0, as all mountains and valleys: that is the "
+            f"flat sheet, the letters hold, {instead}."
         )
         findings.append(_of_lines("fold-angle-zero", Severity.WARNING, text, lines, rows))
         angles = np.where(flat, np.nan, angles)

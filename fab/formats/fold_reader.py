@@ -89,10 +89,10 @@ def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFi
     Codes of the findings, beside those of the importer (`pattern_of_lines`): "unit-unknown",
     "several-patterns", "flat-form-taken", "unfolded", "side-assumed", "edges-missing",
     "assignment-missing", "assignment-unknown", "fold-angle-measured", "fold-angle-missing",
-    "fold-angle-contradicts", "fold-angle-zero", "zero-length-edge", "duplicate-edge", "vertices-merged",
-    "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area", "border-unmarked",
-    "border-inside", "folded-form-differs"; and, as no repairs, "crease-dangling", "frame-turned",
-    "hole", "sheet-overlaps".
+    "fold-angle-contradicts", "fold-angle-zero", "zero-length-edge", "duplicate-edge",
+    "vertices-merged", "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area",
+    "border-unmarked", "border-inside", "folded-form-differs"; and, as no repairs,
+    "crease-dangling", "frame-turned", "hole", "sheet-overlaps".
     """
     options = ReadOptions() if options is None else options
     file = Path(path)

@@ -92,4 +92,5 @@ def _crimped_away(sectors: FloatArray, valleys: BoolArray, tolerance_rad: float)
         joined = sectors[:, :1] - sectors[:, 1:2] + sectors[:, 2:3]
         sectors = np.concatenate([joined, sectors[:, 3:]], axis=1)
         valleys = np.concatenate([valleys[:, :1], valleys[:, 3:]], axis=1)
-    return out & (valleys[:, 0] == valleys[:, 1])
+    out &= valleys[:, 0] == valleys[:, 1]
+    return out

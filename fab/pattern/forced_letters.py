@@ -62,7 +62,7 @@ def forced_letters(pattern: CreasePattern, fold_deg: float = 180.0) -> ForcedLet
     known = ~unknown
     may[0, known] = (letters[known] == "M") | ((letters[known] == "U") & (angles[known] < 0))
     may[1, known] = (letters[known] == "V") | ((letters[known] == "U") & (angles[known] > 0))
-    agreeing = [group.choices(may).any(axis=(0, 2)) for group in vertices]
+    agreeing = [group.agrees(may) for group in vertices]
     wrong = [group.vertices[~own] for group, own in zip(vertices, agreeing, strict=True)]
     vertices = [group.part(own) for group, own in zip(vertices, agreeing, strict=True)]
     may, later = _followed(vertices, may, unknown)
@@ -106,6 +106,10 @@ class _Vertices:
         listed = None if self.listed is None else self.listed[which]
         return _Vertices(self.vertices[which], self.creases[which], listed)
 
+    def agrees(self, may: BoolArray) -> BoolArray:
+        """Whether some letters fold each vertex flat, shape (k,); may : shape (2, ne)."""
+        return _some(self.choices(may))
+
     def choices(self, may: BoolArray) -> BoolArray:
         """Which letters (M, V) each crease has in foldings of its vertex, shape (2, k, n)."""
         own = may[:, self.creases]
@@ -123,7 +127,7 @@ class _Vertices:
         least = (own[1] & ~own[0]).sum(axis=1)  # valleys
         most = own[1].sum(axis=1)
         more, fewer = half + 1, half - 1
-        possible = own.any(axis=0).all(axis=1)
+        possible = np.asarray(own[0] | own[1]).all(axis=1)
         possible &= ((least <= more) & (more <= most)) | ((least <= fewer) & (fewer <= most))
         # an undecided crease can be a valley unless all sums need it as a mountain, and vice versa
         valley = np.where(more <= most, more, fewer) > least
@@ -175,7 +179,8 @@ def _paper_around(pattern: CreasePattern) -> FloatArray:
     direction = np.arctan2(side[:, 1], side[:, 0])
     turn = direction[following] - direction
     turn -= 2 * np.pi * np.round(turn / (2 * np.pi))
-    return np.bincount(corners[following], np.pi - turn, len(pattern.vertices_coords))
+    within = np.bincount(corners[following], np.pi - turn, len(pattern.vertices_coords))
+    return np.asarray(within, np.float64)
 
 
 def _followed(
@@ -193,23 +198,28 @@ def _followed(
     while changed.any():
         after = may.copy()
         for group in vertices:
-            asked = group.part(changed[group.creases].any(axis=1))
+            asked = group.part(_some(changed[None, group.creases]))
             choices = asked.choices(may)
-            failed = asked.vertices[~choices.any(axis=(0, 2))]
+            failed = asked.vertices[~_some(choices)]
             contradictory.append(failed)
             bad[linked[count + failed]] = True
             for letter in range(2):
                 np.logical_and.at(after[letter], asked.creases, choices[letter])
         after[:, ~unknown] = may[:, ~unknown]
-        none = ~after.any(axis=0)
+        none = ~(after[0] | after[1])
         bad[linked[:count][none]] = True
         contradictory += [v.vertices[none[v.creases].any(axis=1)] for v in vertices]
         lost = bad[linked]
         after[:, lost[:count] & unknown] = True
         vertices = [group.part(~lost[count + group.vertices]) for group in vertices]
-        changed = (after != may).any(axis=0) & ~lost[:count]
+        changed = np.asarray((after != may).any(axis=0) & ~lost[:count], np.bool_)
         may = after
     return may, np.concatenate(contradictory)
+
+
+def _some(choices: BoolArray) -> BoolArray:
+    """Where any of choices of shape (m, k, n) is true, shape (k,)."""
+    return np.asarray(np.any(choices, axis=(0, 2)), np.bool_)
 
 
 def _linked(vertices: list[_Vertices], unknown: BoolArray) -> IntArray:
