@@ -35,6 +35,13 @@ __all__ = ["simulate"]
     show_default=True,
     help="From rest to rest, or masses that move (slow; to compare).",
 )
+@click.option(
+    "--tolerance-deg",
+    default=None,
+    type=click.FloatRange(0, 180, min_open=True),
+    help="Largest error of a crease at the target (default: 0.1); 0.1 % of strain and shape for "
+    "each degree.",
+)
 @only("Such as fold,gif (default: all).")
 @dry_run("Fold and judge, write nothing.")
 @ALLOW_CODE
@@ -43,6 +50,7 @@ def simulate(
     out: Path,
     states: int | None,
     solver: str,
+    tolerance_deg: float | None,
     only: str | None,
     dry_run: bool,
     allow_code: bool,
@@ -67,6 +75,7 @@ def simulate(
                 formats=formats,
                 findings=findings,
                 progress=progress,
+                tolerance_deg=tolerance_deg,
             )
 
         deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)

@@ -15,7 +15,8 @@ from fab.folding.folding_path import hinges_around
 from fab.folding.rigid_states import rigid_coords
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.folding.simulation import fold_and_judge
-from fab.folding.verdict import folded_form, target_form
+from fab.folding.target_forms import target_form
+from fab.folding.verdict import folded_form
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.face_poses import face_poses
 from fab.pattern.kinematics import unknown_angles

@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from enum import StrEnum
 from functools import partial
+from typing import Any
 
 from fab.errors import Finding
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.simulation import Solver, fold_and_judge
+from fab.folding.target_forms import form_difference
+from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
 from fab.formats.fold_writer import fold_bytes
 from fab.outputs import Made, with_report
@@ -37,6 +40,7 @@ def simulate(
     formats: Sequence[SimulationFormat] = tuple(SimulationFormat),
     findings: Sequence[Finding] = (),
     progress: Progress = silent,
+    tolerance_deg: float | None = None,
 ) -> Made:
     """Fold a pattern from flat, and make files of it: NAME_folding.fold, .png, .gif and .json.
 
@@ -49,12 +53,15 @@ def simulate(
     pattern : in millimetres.
     name : what files and pictures call it.
     findings : of its reader, repeated in the report.
+    tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
+        left out, and in proportion for shape and strain.
     progress : called with (stage, steps done, steps in the stage).
 
     Raises `InvalidValue` as `fab.folding.simulation.fold_and_judge` does.
     """
     settings = settings or FoldSettings()
-    folding, verdict, found = fold_and_judge(pattern, settings, solver, progress)
+    tolerance = Tolerance() if tolerance_deg is None else Tolerance(tolerance_deg)
+    folding, verdict, found = fold_and_judge(pattern, settings, solver, progress, tolerance)
     files: dict[str, bytes] = {}
     stem = f"{name}_folding"
     sheet = folding.frame.sheet.pattern
@@ -64,7 +71,7 @@ def simulate(
         states = [
             (f"{state.load:.2%} of the way", state.coords * size) for state in folding.states[1:]
         ]
-        form = folded_form(folding, verdict)
+        form = folded_form(folding, verdict, tolerance)
         folded = None if form is None else form * size
         files[f"{stem}.fold"] = fold_bytes(replace(sheet, folded_coords=folded), name, states)
     if SimulationFormat.PNG in formats:
@@ -76,12 +83,15 @@ def simulate(
         from fab.folding.animation import gif_bytes
 
         files[f"{stem}.gif"] = gif_bytes(folding, name, partial(progress, "draw"))
-    every = [*findings, *inspect_angles(sheet), *found]
-    report = {
+    differs = form_difference(folding.frame, tolerance) is not None
+    every = [*findings, *([] if differs else inspect_angles(sheet)), *found]
+    report: dict[str, Any] = {
         "name": name,
         "solver": solver,
         "settings": settings.model_dump(mode="json"),
         "verdict": verdict.report(),
     }
+    if tolerance_deg is not None:
+        report["tolerance_deg"] = tolerance_deg
     progress("write", 1, 1)
     return with_report(files, f"{stem}.json", report, every)

@@ -267,7 +267,7 @@ def _along(creases: _Creases, angles: FloatArray, wanted: FloatArray) -> FloatAr
 def _stepped(creases: _Creases, angles: FloatArray, step: FloatArray) -> FloatArray | None:
     """The state beside a step; None where none is near that the letters allow."""
     found = _closed(creases, angles + step)
-    near = np.abs(found - angles - step).max() <= np.abs(step).max() / 2
+    near = bool(np.abs(found - angles - step).max() <= np.abs(step).max() / 2)
     allowed = near and _gap(creases, found) <= _CLOSED_RAD and creases.allow(found)
     return found if allowed else None
 

@@ -6,12 +6,17 @@ from dataclasses import replace
 from enum import StrEnum
 from functools import partial
 
+import numpy as np
+
 from fab.errors import Finding
-from fab.folding.bar_hinge_model import framework
+from fab.folding.bar_hinge_model import Framework, framework
 from fab.folding.dynamics import fold_dynamically
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import closing_path
+from fab.folding.misplaced_vertices import Misplaced, misplaced_vertices
 from fab.folding.quasi_static import Folding, fold
+from fab.folding.target_forms import inspect_form
+from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import Verdict, findings_of, judge
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Progress, silent
@@ -35,6 +40,7 @@ def fold_and_judge(
     settings: FoldSettings,
     solver: Solver = Solver.QUASI_STATIC,
     progress: Progress = silent,
+    tolerance: Tolerance | None = None,
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """Fold a pattern from flat, and judge whether it reaches its target.
 
@@ -42,27 +48,41 @@ def fold_and_judge(
     (up to 2,000 hinges, quasi-static only).
 
     pattern : in millimetres.
+    tolerance : how exactly the target must be reached; by default 0.1 degrees.
     progress : called with the stages "fold", "judge" and, for a folding path, "order".
 
     Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a face
     without area.
     """
+    tolerance = tolerance or Tolerance()
     frame = framework(pattern, settings)
     if solver is Solver.DYNAMIC:
         folding = fold_dynamically(frame, settings.steps, progress=partial(progress, "fold"))
     else:
         folding = fold(frame, settings.steps, partial(progress, "fold"))
     progress("judge", 0, 1)
-    verdict = judge(folding)
+    verdict = judge(folding, tolerance)
     progress("judge", 1, 1)
     stuck = solver is Solver.QUASI_STATIC and verdict.in_local_minimum
     if stuck and len(frame.hinges_edge) <= _MOST_HINGES:
-        folding, verdict = _along_a_path(folding, verdict, settings.steps, progress)
-    return folding, verdict, findings_of(verdict)
+        folding, verdict = _along_a_path(folding, verdict, settings.steps, progress, tolerance)
+    findings = [
+        *inspect_form(frame, tolerance),
+        *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
+    ]
+    return folding, verdict, findings
+
+
+def _misplaced(frame: Framework, verdict: Verdict) -> list[Misplaced]:
+    """The open vertices that are off their places, by their numbers in the pattern."""
+    source = frame.sheet.vertices_source
+    own = np.flatnonzero(np.isin(source, verdict.open_vertices))
+    found = misplaced_vertices(frame.sheet.pattern, own)
+    return [replace(each, vertex=int(source[each.vertex])) for each in found]
 
 
 def _along_a_path(
-    stuck: Folding, verdict: Verdict, steps: int, progress: Progress
+    stuck: Folding, verdict: Verdict, steps: int, progress: Progress, tolerance: Tolerance
 ) -> tuple[Folding, Verdict]:
     """The fold along a folding path, or the first one where that does not reach the target either.
 
@@ -70,7 +90,7 @@ def _along_a_path(
     """
     path = closing_path(stuck.frame, partial(progress, "order"))
     again = fold(stuck.frame, steps, partial(progress, "fold"), path.angles)
-    judged = judge(again)
+    judged = judge(again, tolerance)
     iterations = stuck.iterations + path.iterations + again.iterations
     if judged.reached:
         return again, replace(judged, iterations=iterations)

@@ -7,6 +7,7 @@ crease's angle are judged.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,21 +15,18 @@ import numpy as np
 
 from fab.errors import Finding, Severity, first_few
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.quasi_static import Folding, FoldState, aligned
+from fab.folding.misplaced_vertices import Misplaced
+from fab.folding.quasi_static import Folding, FoldState
+from fab.folding.target_forms import distance_rel, target_form
+from fab.folding.tolerance import Tolerance
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG
 from fab.pattern.kinematics import unknown_angles
 from fab.pattern.self_intersection import crossing_faces
-from solver.vectors import FloatArray, IntArray, norm
+from solver.vectors import FloatArray, IntArray
 
-__all__ = ["PathPoint", "Verdict", "findings_of", "folded_form", "judge", "target_form"]
+__all__ = ["PathPoint", "Verdict", "findings_of", "folded_form", "judge"]
 
-# Largest errors of a fold that has reached its target: of a crease's angle, of the shape (relative
-# to its diagonal), and strain. Files with four decimals in their angles pass, a wrong crease fails.
-_ANGLE_DEG = 0.1
-_SHAPE_REL = 1e-4
-_STRAIN = 1e-4
-# A vertex closes where its rotations multiply to the identity within this angle.
-_CLOSURE_RAD = 1e-3
+_DEFAULT = Tolerance()
 # A text names up to this many vertices.
 _SHOWN = 5
 
@@ -67,7 +65,7 @@ class Verdict:
     strain_mean, strain_max : absolute, of all bars, at the end.
     facet_bending_max_deg : largest angle by which a face is bent, at the end.
     wrong_creases : edges that end on the wrong side of flat.
-    off_creases : edges whose angle is off by over 0.1 degrees, worst first.
+    off_creases : edges whose angle is off by over the tolerance, 0.1 degrees, worst first.
     angle_error_max_deg : largest error of an angle.
     closure_max_rad : largest angle by which the rotations around a vertex or hole miss the
         identity.
@@ -109,7 +107,7 @@ class Verdict:
 
         Angles that close have a state without energy, so the one that was found is a local minimum.
         """
-        closes = self.closure_max_rad <= _CLOSURE_RAD and self.gap_rel <= _SHAPE_REL
+        closes = self.closure_max_rad <= _DEFAULT.closure_rad and self.gap_rel <= _DEFAULT.shape_rel
         return bool(self.off_creases) and not self.free and closes
 
     def report(self) -> dict[str, Any]:
@@ -121,7 +119,7 @@ class Verdict:
         return out
 
 
-def judge(folding: Folding) -> Verdict:
+def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
     """Judge a fold against its pattern's angles and folded form (`target_form`)."""
     frame = folding.frame
     sheet, kinematics = frame.sheet, frame.kinematics
@@ -131,10 +129,11 @@ def judge(folding: Folding) -> Verdict:
     folds = np.abs(target_deg) > FLAT_ANGLE_DEG
     wrong = creases[folds & (np.sign(target_deg + off_deg) != np.sign(target_deg))]
     worst = float(np.abs(off_deg).max(initial=0.0))
-    rmsd = _distance(frame, last.coords, target_form(frame))
+    rmsd = distance_rel(frame, last.coords, target_form(frame, tolerance))
     peak = max(folding.states, key=lambda state: state.strain_peak)
-    reached = worst <= _ANGLE_DEG and last.strain_max <= _STRAIN and (rmsd or 0.0) <= _SHAPE_REL
-    open_vertices = _worst_first(kinematics.vertices_closure_rad, _CLOSURE_RAD)
+    reached = worst <= tolerance.angle_deg and last.strain_max <= tolerance.strain
+    reached = reached and (rmsd or 0.0) <= tolerance.shape_rel
+    open_vertices = _worst_first(kinematics.vertices_closure_rad, tolerance.closure_rad)
     return Verdict(
         reached and last.settled,
         rmsd,
@@ -142,7 +141,7 @@ def judge(folding: Folding) -> Verdict:
         last.strain_max,
         _facet_bending_deg(frame, last.coords),
         _numbers(sheet.edges_source[wrong]),
-        _numbers(sheet.edges_source[creases[_worst_first(np.abs(off_deg), _ANGLE_DEG)]]),
+        _numbers(sheet.edges_source[creases[_worst_first(np.abs(off_deg), tolerance.angle_deg)]]),
         worst,
         max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[open_vertices]),
@@ -157,64 +156,65 @@ def judge(folding: Folding) -> Verdict:
     )
 
 
-def target_form(frame: Framework) -> FloatArray | None:
-    """The folded form that a fold is judged by, shape (nv, 3), relative to the framework's size.
-
-    That of the pattern, or that of its angles; None where the pattern has none and its angles do
-    not close.
-    """
-    kinematics, folded = frame.kinematics, frame.sheet.pattern.folded_coords
-    if folded is not None:
-        return folded / frame.size_mm
-    closes = max(kinematics.closure_max_rad, kinematics.gap_rad) <= _CLOSURE_RAD
-    if closes and kinematics.gap_mm <= _SHAPE_REL * frame.size_mm:
-        return kinematics.folded_coords / frame.size_mm
-    return None
-
-
-def folded_form(folding: Folding, verdict: Verdict) -> FloatArray | None:
+def folded_form(
+    folding: Folding, verdict: Verdict, tolerance: Tolerance = _DEFAULT
+) -> FloatArray | None:
     """The folded form of a sheet, shape (nv, 3), relative to the framework's size.
 
     Its `target_form`, or the end of a fold that reached the target angles; None otherwise.
     """
-    form = target_form(folding.frame)
+    form = target_form(folding.frame, tolerance)
     return folding.states[-1].coords if form is None and verdict.reached else form
 
 
-def findings_of(verdict: Verdict) -> list[Finding]:
-    """What a user should know of a verdict."""
+def findings_of(
+    verdict: Verdict, tolerance: Tolerance = _DEFAULT, misplaced: Sequence[Misplaced] = ()
+) -> list[Finding]:
+    """What a user should know of a verdict.
+
+    tolerance : that of the verdict. misplaced : those of its open vertices that are off their
+    places (`misplaced_vertices`).
+    """
     found = [
-        _target_not_reached(verdict),
+        _target_not_reached(verdict, tolerance, misplaced),
         _nothing_to_fold(verdict),
         _creases_free(verdict),
-        _angles_do_not_close(verdict),
+        _angles_do_not_close(verdict, misplaced),
         _folds_in_turn(verdict),
         _crosses_on_the_way(verdict),
-        _strained_on_the_way(verdict),
+        _strained_on_the_way(verdict, tolerance),
     ]
     return [finding for finding in found if finding is not None]
 
 
-def _target_not_reached(verdict: Verdict) -> Finding | None:
+def _target_not_reached(
+    verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced]
+) -> Finding | None:
     if verdict.reached:
         return None
     text = (
         "the sheet does not fold to its target: "
         f"{_counted(len(verdict.wrong_creases), 'crease')} on the wrong side, "
-        f"{len(verdict.off_creases)} off by over {_ANGLE_DEG:g} degrees (at most "
+        f"{len(verdict.off_creases)} off by over {tolerance.angle_deg:g} degrees (at most "
         f"{verdict.angle_error_max_deg:.3g}), strain up to {verdict.strain_max:.2%}"
     )
     if verdict.rmsd_rel is not None:
         text += f", shape off by {verdict.rmsd_rel:.2e} of the diagonal"
     text += ". " if verdict.path[-1].settled else "; it did not come to rest. "
-    text += _cause(verdict)
+    text += _cause(verdict, tolerance, misplaced)
     return Finding("target-not-reached", Severity.ERROR, text, first_few(verdict.off_creases))
 
 
-def _cause(verdict: Verdict) -> str:
+def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced]) -> str:
     """Why a sheet does not reach its target, as far as the verdict shows it."""
-    if verdict.closure_max_rad > _CLOSURE_RAD and not verdict.open_vertices:
+    if verdict.closure_max_rad > tolerance.closure_rad and not verdict.open_vertices:
         return f"Its angles miss each other by {verdict.closure_max_rad:.3g} rad around a hole."
+    if misplaced and len(misplaced) == len(verdict.open_vertices):
+        return (
+            f"Its angles are right, but vertices are off by up to about "
+            f"{max(each.distance_mm for each in misplaced):.2g} mm: --tolerance-deg "
+            f"{_enough_deg(verdict):g} accepts that."
+        )
     if verdict.open_vertices:
         return "Its angles do not close: see open_vertices."
     if verdict.free:
@@ -222,11 +222,22 @@ def _cause(verdict: Verdict) -> str:
             f"{_free_creases(verdict)}, U without an angle or slits: give those that fold M or V "
             "and an angle."
         )
-    if verdict.gap_rel > _SHAPE_REL:
+    if verdict.gap_rel > tolerance.shape_rel:
         return f"Its faces miss each other by {verdict.gap_rel:.2%} of the diagonal around a hole."
-    if not verdict.off_creases and verdict.strain_max <= _STRAIN:
-        return "Its angles are right, but the folded form in the file is not the one they give."
     return "Its angles close, so there may be another path to the target: take more steps."
+
+
+def _enough_deg(verdict: Verdict) -> float:
+    """The tolerance with which a fold is at its target, its first digit rounded up."""
+    default = _DEFAULT.angle_deg
+    share = max(
+        verdict.angle_error_max_deg / default,
+        (verdict.rmsd_rel or 0.0) / _DEFAULT.shape_rel,
+        verdict.strain_max / _DEFAULT.strain,
+        verdict.closure_max_rad / _DEFAULT.closure_rad,
+    )
+    digit = 10.0 ** np.floor(np.log10(share * default))
+    return float(np.ceil(share * default / digit) * digit)
 
 
 def _nothing_to_fold(verdict: Verdict) -> Finding | None:
@@ -243,7 +254,7 @@ def _creases_free(verdict: Verdict) -> Finding | None:
     return Finding("creases-free", Severity.NOTE, text)
 
 
-def _angles_do_not_close(verdict: Verdict) -> Finding | None:
+def _angles_do_not_close(verdict: Verdict, misplaced: Sequence[Misplaced]) -> Finding | None:
     count = len(verdict.open_vertices)
     if not count:
         return None
@@ -252,9 +263,18 @@ def _angles_do_not_close(verdict: Verdict) -> Finding | None:
         first = ", ".join(map(str, verdict.open_vertices[:_SHOWN]))
         around = f"{count} vertices ({'first ' if count > _SHOWN else ''}{first})"
     text = (
-        f"the fold angles do not close around {around}: by up to {verdict.closure_max_rad:.3g} "
-        f"rad. One of {'its' if count == 1 else 'their'} creases has a wrong angle."
+        f"the fold angles do not close around {around}: by up to {verdict.closure_max_rad:.3g} rad."
     )
+    if len(misplaced) < count:
+        text += f" One of {'its' if count == 1 else 'their'} creases has a wrong angle."
+    if misplaced:
+        worst = max(misplaced, key=lambda each: each.distance_mm)
+        own = "" if count == 1 else f" of vertex {worst.vertex}"
+        text += (
+            f" Creases{own} that fold by 180 degrees are right, but the sectors between them miss "
+            f"Kawasaki's condition by {worst.kawasaki_deg:.2g} degrees: the vertex is about "
+            f"{worst.distance_mm:.2g} mm off."
+        )
     return Finding("angles-do-not-close", Severity.ERROR, text)
 
 
@@ -280,8 +300,8 @@ def _crosses_on_the_way(verdict: Verdict) -> Finding | None:
     return Finding("crosses-on-the-way", severity, text)
 
 
-def _strained_on_the_way(verdict: Verdict) -> Finding | None:
-    if verdict.peak_strain <= _STRAIN:
+def _strained_on_the_way(verdict: Verdict, tolerance: Tolerance) -> Finding | None:
+    if verdict.peak_strain <= tolerance.strain:
         return None
     text = (
         f"on the way, at {verdict.peak_strain_load:.0%}, the sheet is strained by up to "
@@ -304,22 +324,6 @@ def _crease_errors(frame: Framework, coords: FloatArray) -> tuple[IntArray, Floa
     driven = np.flatnonzero((frame.hinges_edge >= 0) & (frame.hinges_stiffness > 0))
     off = frame.angles_near(coords, frame.hinges_target) - frame.hinges_target
     return frame.hinges_edge[driven], np.degrees(off[driven])
-
-
-def _distance(frame: Framework, coords: FloatArray, form: FloatArray | None) -> float | None:
-    """Root mean square distance to a form, relative to its diagonal; None where there is no form.
-
-    The largest of all components of the sheet, each aligned by itself: they may lie anywhere.
-    """
-    if form is None:
-        return None
-    found = 0.0
-    diagonal = float(norm(np.ptp(form, axis=0))) or 1.0  # that of the sheet, for a mere point
-    for component in range(int(frame.component.max()) + 1):
-        own = frame.component == component
-        off = aligned(coords[own], form[own]) - form[own]
-        found = max(found, float(np.sqrt((off**2).sum(axis=1).mean())) / diagonal)
-    return found
 
 
 def _facet_bending_deg(frame: Framework, coords: FloatArray) -> float:

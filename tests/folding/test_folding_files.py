@@ -18,6 +18,7 @@ from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_files import SimulationFormat, simulate
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.simulation import Solver, fold_and_judge
+from fab.folding.target_forms import form_difference
 from fab.folding.verdict import judge
 from fab.formats.fold_reader import read_fold, read_pattern
 from fab.jobs.job import load_job
@@ -228,11 +229,11 @@ def test_a_folded_form_against_the_angles_is_reported():
     flat = pattern_of(SQUARES, TWO, "V")
     other = replace(flat, folded_coords=np.pad(flat.vertices_coords, ((0, 0), (0, 1))))
     found = simulate(other, "sheet", formats=[]).report
-    assert not found["verdict"]["reached"]
-    text = next(f["text"] for f in found["findings"] if f["code"] == "target-not-reached")
-    assert "the folded form in the file is not the one they give" in text
-    point = replace(flat, folded_coords=np.zeros((6, 3)))
-    assert judge(fold(framework(point), 1)).rmsd_rel > 0.1
+    assert found["verdict"]["reached"]
+    assert codes(found) == {"folded-form-differs"}
+    point = framework(replace(flat, folded_coords=np.zeros((6, 3))))
+    assert form_difference(point).stretch_rel == pytest.approx(1)
+    assert judge(fold(point, 1)).rmsd_rel < 1e-9
 
 
 def test_faces_that_miss_each_other_around_a_hole_are_reported():
@@ -254,14 +255,16 @@ def test_faces_that_miss_each_other_around_a_hole_are_reported():
 
 
 def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
-    """That of the angles, whether the sheet reaches it or not; none where they do not close."""
+    """That of the angles, whatever the file has; none where they do not close."""
     names = ("square_twist", "popup", "miura")
     sheets = [read_pattern(PATTERNS / f"{name}.fold")[0] for name in names]
     assert all(pattern.folded_coords is None for pattern in sheets)
     mirrored = fold_by_angles(sheets[-1]).folded_coords * [1, 1, -1]
     for pattern in (*sheets, replace(sheets[-1], folded_coords=mirrored)):
         made = simulate(pattern, "sheet", formats=[SimulationFormat.FOLD])
-        assert made.report["verdict"]["reached"] == (pattern.folded_coords is None)
+        assert made.report["verdict"]["reached"]
+        differs = pattern.folded_coords is not None
+        assert ("folded-form-differs" in codes(made.report)) == differs
         data = made.files["sheet_folding.fold"]
         assert len(json.loads(data)["file_frames"]) == 11
         (tmp_path / "x.fold").write_bytes(data)
@@ -269,7 +272,7 @@ def test_the_form_that_a_fold_is_judged_by_is_written(tmp_path):
         form, last = found.pattern.folded_coords, found.states[-1][1]
         size = np.linalg.norm(np.ptp(form, axis=0))
         off = np.linalg.norm(aligned(last, form) - form, axis=1).max() / size
-        assert (off < 1e-9) == made.report["verdict"]["reached"]
+        assert off < 1e-9
     square, _ = read_pattern(PATTERNS / "square_twist.fold")
     angles = square.edges_foldAngle.copy()
     angles[np.flatnonzero(square.edges_assignment == "M")[0]] += 20.0

@@ -11,6 +11,7 @@ from fab.folding.dynamics import DynamicSettings, Motion, fold_dynamically, inte
 from fab.folding.fold_settings import Stiffness
 from fab.folding.quasi_static import fold
 from fab.folding.rotation_predictor import rotation_predictor
+from fab.folding.target_forms import distance_rel, form_difference
 from fab.folding.verdict import findings_of, judge
 from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import CreasePattern, assignments, fold_angles_deg
@@ -186,9 +187,12 @@ def test_wrong_patterns_are_not_reached_and_named(tmp_path):
         codes = {finding.code for finding in findings_of(verdict)}
         assert {"target-not-reached", "angles-do-not-close"} <= codes
     mirrored = right.folded_coords * [1, 1, -1]
-    verdict = judge(fold(framework(replace(right, folded_coords=mirrored))))
-    assert not verdict.reached
-    assert verdict.rmsd_rel > 1e-3
+    blamed = framework(replace(right, folded_coords=mirrored))
+    assert form_difference(blamed).stretch_rel < 1e-9
+    assert form_difference(blamed).distance_mm > 1e-3 * blamed.size_mm
+    folding = fold(blamed)
+    assert judge(folding).reached
+    assert distance_rel(blamed, folding.states[-1].coords, mirrored / blamed.size_mm) > 1e-3
     face = right.faces_vertices[: right.faces_offsets[1]]
     bent = right.folded_coords.copy()
     normal = np.cross(bent[face[1]] - bent[face[0]], bent[face[2]] - bent[face[0]])
@@ -198,8 +202,10 @@ def test_wrong_patterns_are_not_reached_and_named(tmp_path):
     middle = bent[face[2]]
     bent[corner] -= 2 * ((bent[corner] - middle) @ normal + 1.0) * normal
     assert far >= 0
-    verdict = judge(fold(framework(replace(right, folded_coords=bent))))
-    assert not verdict.reached
+    blamed = framework(replace(right, folded_coords=bent))
+    moved = norm(bent[corner] - right.folded_coords[corner])
+    assert form_difference(blamed).distance_mm == pytest.approx(moved, rel=0.1)
+    assert judge(fold(blamed)).reached
 
 
 def test_faces_that_pass_through_each_other_on_the_way_are_reported(tmp_path):
