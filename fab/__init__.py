@@ -6,7 +6,7 @@
 |---|---|
 | run a job | `load_job`, `parse_job`, `make`; `write` what was `Made` |
 | make files of a folded quad mesh | `from_mesh`, a `Sheet`: `sheet.write("out", ["dxf", "fold"])` |
-| read a crease pattern | `read_pattern`; `read_any` and `convert` between programs |
+| read a crease pattern | `read_pattern`, with `ReadOptions`; `read_any` and `convert` |
 | cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
 | fold it | `simulate`, with `FoldSettings` |
 | print it | `make_thick`, with `thick_settings` |
@@ -17,7 +17,7 @@ Its wings, each of which imports only wings above it:
 
 geometry : rings, planar graphs, triangulations and closed solids as arrays.
 pattern : the crease pattern in millimetres: development, kinematics, self-intersection.
-formats : files of other programs: FOLD, OBJ, SVG; surfaces in STL, PLY and STEP.
+formats : files of other programs: FOLD, SVG, DXF, CP, ORIPA, OBJ; surfaces in STL, PLY and STEP.
 layout : faces divided into pieces, and pieces placed on beds.
 drawings : cut paths by operation, written as DXF, SVG and PDF.
 sheets : a pattern as laser-cut sheets.
@@ -38,10 +38,11 @@ if TYPE_CHECKING:
     from fab.errors import Finding, InvalidFile, InvalidJob, Severity
     from fab.folding.fold_settings import FoldSettings
     from fab.folding.folding_files import simulate
-    from fab.formats.conversion import convert, read_any
-    from fab.formats.fold_reader import read_pattern
+    from fab.formats.conversion import convert
+    from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job, load_job, parse_job
     from fab.jobs.job_files import Format, Sheet, from_mesh, make
+    from fab.jobs.reading import read_any, read_pattern
     from fab.outputs import Made, write
     from fab.panels.bevelled_panels import PanelSettings
     from fab.panels.cad_assembly import assembly, pose
@@ -68,6 +69,7 @@ __all__ = [
     "Job",
     "Made",
     "PanelSettings",
+    "ReadOptions",
     "Severity",
     "Sheet",
     "SheetRequest",
@@ -104,6 +106,7 @@ _MODULES = {
     "Job": "fab.jobs.job",
     "Made": "fab.outputs",
     "PanelSettings": "fab.panels.bevelled_panels",
+    "ReadOptions": "fab.formats.read_options",
     "Severity": "fab.errors",
     "Sheet": "fab.jobs.job_files",
     "SheetRequest": "fab.sheets.sheet_request",
@@ -118,8 +121,8 @@ _MODULES = {
     "make_thick": "fab.printing.print_files",
     "parse_job": "fab.jobs.job",
     "pose": "fab.panels.cad_assembly",
-    "read_any": "fab.formats.conversion",
-    "read_pattern": "fab.formats.fold_reader",
+    "read_any": "fab.jobs.reading",
+    "read_pattern": "fab.jobs.reading",
     "simulate": "fab.folding.folding_files",
     "step_bytes": "fab.panels.step",
     "thick_settings": "fab.printing.thick_settings",

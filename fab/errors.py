@@ -50,6 +50,7 @@ class Finding:
     code : stable name of the kind of finding, such as "development-overlaps".
     text : what, where, how much, and what helps.
     creases, panels : numbers of the edges and faces it names (the first of them where many).
+    places : where it is in a drawing that was read, mm, as in its text (the first where many).
     """
 
     code: str
@@ -57,6 +58,7 @@ class Finding:
     text: str
     creases: tuple[int, ...] = field(default=())
     panels: tuple[int, ...] = field(default=())
+    places: tuple[tuple[float, float], ...] = field(default=())
 
 
 def nearest(word: object, known: Iterable[str], cutoff: float = 0.6) -> str | None:

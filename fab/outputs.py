@@ -71,10 +71,18 @@ def with_report(
         {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
         for file, data in files.items()
     ]
-    listed = [dataclasses.asdict(finding) for finding in findings]
+    listed = [_entry(finding) for finding in findings]
     whole = {**report, "outputs": outputs, "findings": listed}
     data = (json.dumps(whole, indent=2, allow_nan=False) + "\n").encode()
     return Made({**files, name: data}, whole, tuple(findings))
+
+
+def _entry(finding: Finding) -> dict[str, Any]:
+    """A finding in a report; its places only where it has some."""
+    entry = dataclasses.asdict(finding)
+    if not finding.places:
+        del entry["places"]
+    return entry
 
 
 def box_mm(coords: FloatArray) -> list[float]:

@@ -11,11 +11,22 @@ import click
 from fab.cli.console import answers
 from fab.cli.delivery import deliver
 from fab.cli.inputs import allowed_job
-from fab.cli.options import ALLOW_CODE, FILE, OUT, dry_run, formats_of, only
-from fab.errors import Finding
+from fab.cli.options import (
+    ALLOW_CODE,
+    FILE,
+    OUT,
+    Size,
+    dry_run,
+    formats_of,
+    only,
+    reading_options,
+    size_options,
+)
+from fab.errors import Finding, InvalidJob
 
 if TYPE_CHECKING:
     from fab.folding.fold_settings import FoldSettings
+    from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job
     from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
@@ -42,6 +53,8 @@ __all__ = ["simulate"]
     help="Largest error of a crease at the target (default: 0.1); 0.1 % of strain and shape for "
     "each degree.",
 )
+@size_options
+@reading_options
 @only("Such as fold,gif (default: all).")
 @dry_run("Fold and judge, write nothing.")
 @ALLOW_CODE
@@ -51,22 +64,30 @@ def simulate(
     states: int | None,
     solver: str,
     tolerance_deg: float | None,
+    size: Size,
+    options: ReadOptions,
     only: str | None,
     dry_run: bool,
     allow_code: bool,
 ) -> None:
-    """Fold a FOLD file, or the sheet of a job, from flat, and judge whether it gets there."""
+    """Fold a crease pattern, or the sheet of a job, from flat, and judge whether it gets there.
+
+    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML).
+    """
     with answers() as interrupts:
         from fab.folding.folding_files import SimulationFormat, simulate
         from fab.folding.simulation import Solver
+        from fab.outputs import plain_title
 
         formats = formats_of(only, SimulationFormat) or list(SimulationFormat)
         job = _job_of(file, states, allow_code)
-        name = file.stem if job is None else job.name
+        if job is not None:
+            _require_none(file, options, size)
+        name = plain_title(file.stem) if job is None else job.name
         settings = _settings(job, states)
 
         def make(progress: Progress) -> Made:
-            pattern, findings = _pattern(file, job, progress)
+            pattern, findings = _pattern(file, job, options, size, progress)
             return simulate(
                 pattern,
                 name,
@@ -89,6 +110,17 @@ def _job_of(file: Path, states: int | None, allow_code: bool) -> Job | None:
     return allowed_job(file, changes, allow_code)
 
 
+def _require_none(file: Path, options: ReadOptions, size: Size) -> None:
+    """Raise `InvalidJob` for options that are of files of crease patterns alone."""
+    from fab.formats.read_options import ReadOptions
+
+    if options != ReadOptions() or size != Size():
+        raise InvalidJob(
+            f"{file}: a job says itself how large its sheet is and how it folds. Leave out the "
+            "options of drawings and sizes, or change keys of the job."
+        )
+
+
 def _settings(job: Job | None, states: int | None) -> FoldSettings:
     from fab.folding.fold_settings import FoldSettings
     from fab.settings import checked
@@ -100,16 +132,18 @@ def _settings(job: Job | None, states: int | None) -> FoldSettings:
 
 
 def _pattern(
-    file: Path, job: Job | None, progress: Progress
+    file: Path, job: Job | None, options: ReadOptions, size: Size, progress: Progress
 ) -> tuple[CreasePattern, Sequence[Finding]]:
     """The crease pattern to fold: grown for a job, or read."""
     if job is not None:
         from fab.jobs.grow import grown_pattern
 
         return grown_pattern(job, progress)
-    from fab.formats.fold_reader import read_pattern
+    from fab.formats.pattern_file import resized
+    from fab.jobs.reading import read_any
 
-    return read_pattern(file)
+    read = resized(read_any([file], options), width_mm=size.width_mm, factor=size.factor)
+    return read.pattern, read.findings
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from fab.cli.console import answers, say, tell
 from fab.cli.delivery import write_made
-from fab.cli.options import FILE, STRICT, dry_run
+from fab.cli.options import FILE, Size, dry_run, reading_options, size_options
 from fab.errors import InvalidFile, InvalidJob
+
+if TYPE_CHECKING:
+    from fab.formats.read_options import ReadOptions
 
 __all__ = ["check", "convert"]
 
@@ -21,18 +25,24 @@ __all__ = ["check", "convert"]
 @click.option(
     "--tolerance", default=1e-6, show_default=True, type=click.FloatRange(0, min_open=True)
 )
-@STRICT
-def check(file: Path, tolerance: float, strict: bool) -> None:
-    """Measure a FOLD file that has a folded frame: planar, developable, isometric, uncrossed?"""
+@size_options
+@reading_options
+def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> None:
+    """Measure a pattern that has a folded form: planar, developable, isometric, uncrossed?
+
+    FILE is FOLD, or one of a pair of OBJ files; drawings have no folded form.
+    """
     with answers():
-        from fab.formats.fold_reader import read_pattern
+        from fab.formats.pattern_file import resized
         from fab.jobs.pattern_check import check_pattern
+        from fab.jobs.reading import read_any
         from solver import InvalidValue
 
         if not math.isfinite(tolerance):
             raise InvalidJob(f"--tolerance {tolerance} must be finite and greater than 0.")
-        pattern, repairs = read_pattern(file, strict=strict)
-        tell(repairs)
+        read = resized(read_any([file], options), width_mm=size.width_mm, factor=size.factor)
+        pattern = read.pattern
+        tell(read.findings)
         try:
             found = check_pattern(pattern, tolerance)
         except InvalidValue as error:
@@ -61,29 +71,42 @@ def check(file: Path, tolerance: float, strict: bool) -> None:
     type=click.Path(path_type=Path),
     help="File to write (default: the last of the files).",
 )
-@STRICT
+@size_options
+@reading_options
 @dry_run("Read and convert everything, write nothing.")
-def convert(files: tuple[Path, ...], out: Path | None, strict: bool, dry_run: bool) -> None:
-    """Convert between FOLD files and pairs of OBJ files (flat and folded), or to SVG.
+def convert(
+    files: tuple[Path, ...], out: Path | None, size: Size, options: ReadOptions, dry_run: bool
+) -> None:
+    """Convert crease patterns between programs.
+
+    Reads FOLD, SVG, DXF, CP, OPX, ORI, ORH and OBJ; writes FOLD, SVG, DXF, CP, pairs of OBJ, and
+    PNG, a picture of what was understood.
+
+    quadfold convert crane.svg crane.png      the letters of all lines, and what was repaired
+
+    quadfold convert crane.cp crane.fold      with faces and fold angles
 
     quadfold convert crane.fold mended.fold   repairs the file, and says what it did
 
-    quadfold convert crane.fold crane.obj     writes crane_flat.obj and crane_fold.obj
-
     quadfold convert crane.fold crane.svg     with the colours that Origami Simulator reads
+
+    quadfold convert crane.fold crane.obj     writes crane_flat.obj and crane_fold.obj
 
     quadfold convert crane_flat.obj crane.fold   reads crane_fold.obj beside it as well
 
     quadfold convert first.obj second.obj --out crane.fold   a flat and a folded mesh
     """
     with answers():
-        from fab.formats.conversion import convert, read_any
+        from fab.formats.conversion import convert
+        from fab.formats.pattern_file import resized
+        from fab.jobs.reading import read_any
         from fab.outputs import require_folder
 
         target = out if out is not None else files[-1]
         sources = files if out is not None else files[:-1]
         require_folder(target.parent)
-        made = convert(read_any(sources, strict=strict), target)
+        read = resized(read_any(sources, options), width_mm=size.width_mm, factor=size.factor)
+        made = convert(read, target)
         write_made(made, target.parent, dry_run=dry_run)
         tell(made.findings)
         sys.exit(0 if made.within_tolerance else 1)

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fab.cli.options import Size
 from fab.errors import Finding
 
 if TYPE_CHECKING:
+    from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job
     from fab.pattern.crease_pattern import CreasePattern
 
-__all__ = ["allowed_job", "sized_pattern"]
+__all__ = ["allowed_job", "sheet_of"]
 
 
 def allowed_job(path: Path, changes: Sequence[str], allow_code: bool) -> Job:
@@ -45,19 +47,15 @@ def _confirmed(question: str) -> bool:
         return False
 
 
-def sized_pattern(
-    file: Path, width_mm: float | None, scale: float | None
+def sheet_of(
+    file: Path, options: ReadOptions, size: Size
 ) -> tuple[CreasePattern, str, Sequence[Finding]]:
     """The crease pattern of a file in the size asked for, its name, and the reader's findings.
 
     Raises `InvalidFile` for sizes that nothing can be made of.
     """
-    from fab.formats.coordinate_bounds import require_sheet_size
-    from fab.formats.fold_reader import read_pattern
+    from fab.jobs.reading import read_sheet
     from fab.outputs import plain_title
-    from fab.pattern.crease_pattern import scaled
 
-    pattern, findings = read_pattern(file)
-    pattern = scaled(pattern, width_mm=width_mm, factor=scale)
-    require_sheet_size(file, pattern)
-    return pattern, plain_title(file.stem), findings
+    read = read_sheet(file, options, width_mm=size.width_mm, factor=size.factor)
+    return read.pattern, plain_title(file.stem), read.findings

@@ -10,21 +10,23 @@ import click
 
 from fab.cli.console import Interrupts, answers, progress_bar, say, tell
 from fab.cli.delivery import deliver
-from fab.cli.inputs import sized_pattern
+from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
     FILE,
     OUT,
-    SCALE,
     SUGGEST,
-    WIDTH,
+    Size,
     changes_of,
     formats_of,
     only,
+    reading_options,
+    size_options,
 )
 from fab.errors import counted
 
 if TYPE_CHECKING:
+    from fab.formats.read_options import ReadOptions
     from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
     from fab.printing.thick_settings import ThickSettings
@@ -46,8 +48,8 @@ __all__ = ["say_window", "thicken"]
     metavar="NAME",
     help="Of the print: a shipped one, or a .toml file.",
 )
-@WIDTH
-@SCALE
+@size_options
+@reading_options
 @only("Such as step,stl (default: all).")
 @DRY_RUN
 @SUGGEST
@@ -57,13 +59,16 @@ def thicken(
     changes: tuple[str, ...],
     printer: str | None,
     material: str | None,
-    width_mm: float | None,
-    scale: float | None,
+    size: Size,
+    options: ReadOptions,
     only: str | None,
     dry_run: bool,
     suggest: bool,
 ) -> None:
-    """Make thick panels and hinges from a FOLD file: STEP, STL, 3MF and PNG."""
+    """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF and PNG.
+
+    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
+    """
     with answers() as interrupts:
         from fab.outputs import file_names, plain_title
         from fab.printing.print_files import ORDINARY, ThickFormat, make_thick
@@ -73,13 +78,13 @@ def thicken(
         settings = thick_settings(changes, printer, material)
         print_with = settings.print_with()
         if suggest:
-            pattern, _, findings = sized_pattern(file, width_mm, scale)
+            pattern, _, findings = sheet_of(file, options, size)
             say_window(pattern, settings.printed(print_with), interrupts)
             tell(findings)
             return
 
         def make(progress: Progress) -> Made:
-            pattern, name, findings = sized_pattern(file, width_mm, scale)
+            pattern, name, findings = sheet_of(file, options, size)
             return make_thick(
                 pattern,
                 name,

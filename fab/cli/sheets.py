@@ -10,7 +10,7 @@ import click
 
 from fab.cli.console import answers, say
 from fab.cli.delivery import deliver, write_made
-from fab.cli.inputs import sized_pattern
+from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
     FILE,
@@ -18,13 +18,15 @@ from fab.cli.options import (
     MATERIAL,
     ONLY_SHEETS,
     OUT,
-    SCALE,
-    WIDTH,
+    Size,
     formats_of,
+    reading_options,
+    size_options,
 )
 from fab.errors import counted
 
 if TYPE_CHECKING:
+    from fab.formats.read_options import ReadOptions
     from fab.outputs import Made
     from fab.progress import Progress
 
@@ -36,8 +38,8 @@ __all__ = ["coupon", "fabricate", "shipped"]
 @MATERIAL
 @MACHINE
 @OUT
-@WIDTH
-@SCALE
+@size_options
+@reading_options
 @click.option("--copies", default=1, show_default=True, type=int, help="How many of the model.")
 @click.option(
     "--two-sided",
@@ -51,14 +53,17 @@ def fabricate(
     material: str,
     machine: str,
     out: Path,
-    width_mm: float | None,
-    scale: float | None,
+    size: Size,
+    options: ReadOptions,
     copies: int,
     two_sided: bool,
     only: str | None,
     dry_run: bool,
 ) -> None:
-    """Make the sheets that a laser cutter or plotter cuts from a FOLD file."""
+    """Make the sheets that a laser cutter or plotter cuts from a crease pattern.
+
+    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
+    """
     with answers() as interrupts:
         from fab.drawings.drawing_files import SheetFormat
         from fab.outputs import plain_title
@@ -71,7 +76,7 @@ def fabricate(
         formats = formats_of(only, SheetFormat) or list(SheetFormat)
 
         def make(progress: Progress) -> Made:
-            pattern, name, findings = sized_pattern(file, width_mm, scale)
+            pattern, name, findings = sheet_of(file, options, size)
             return fabricate(
                 pattern,
                 name,

@@ -2,67 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, InvalidJob, Severity, first_few
+from fab.errors import Finding, InvalidFile, InvalidJob, Severity, did_you_mean, first_few
+from fab.formats.cp import cp_bytes, lost_in_cp
 from fab.formats.fold_writer import fold_bytes
 from fab.formats.obj import obj_bytes
-from fab.formats.obj_patterns import FLAT, FOLD, read_obj_pair
+from fab.formats.obj_patterns import FLAT, FOLD
 from fab.formats.pattern_file import PatternFile
-from fab.formats.read_options import ReadOptions
-from fab.formats.reading import read_pattern_file
+from fab.formats.reading_picture import reading_png_bytes
 from fab.formats.simulator_svg import simulator_svg_bytes
 from fab.outputs import Made, plain_title
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_closure
 from solver.vectors import FloatArray
 
-__all__ = ["convert", "read_any"]
+__all__ = ["WRITTEN", "convert"]
 
 
-def read_any(
-    files: Sequence[Path], options: ReadOptions | None = None, *, strict: bool = False
-) -> PatternFile:
-    """The pattern in a file, or in a pair of OBJ files: the flat sheet and its folded form.
-
-    strict : as in `options`. Raises `InvalidFile` as `read_pattern_file` does, and `InvalidJob` for
-    another number of files.
-    """
-    options = ReadOptions() if options is None else options
-    options = replace(options, strict=options.strict or strict)
-    if len(files) == 1:
-        return read_pattern_file(files[0], options)
-    if [file.suffix.lower() for file in files] != [".obj", ".obj"]:
-        given = " ".join(str(file) for file in files) or "no file"
-        raise InvalidJob(
-            f"{given}: give one file, or two OBJ files (flat and folded), to read from."
-        )
-    return read_obj_pair(files[0], files[1], options)
+# Endings of files that are written.
+WRITTEN = (".fold", ".svg", ".dxf", ".cp", ".obj", ".png")
 
 
 def convert(read: PatternFile, target: Path) -> Made:
-    """What was read as the files that `target` names by its ending: .fold, .svg or .obj.
+    """What was read as the files that `target` names by its ending, one of `WRITTEN`.
 
-    For sheet.obj the pair sheet_flat.obj and sheet_fold.obj. Raises `InvalidJob` for another
-    ending, and `InvalidFile` for a pair without a folded form.
+    For sheet.obj the pair sheet_flat.obj and sheet_fold.obj; for sheet.png a picture of what was
+    understood. Findings are those of `read`, of angles that do not close, and of what the format
+    has no place for. Raises `InvalidJob` for another ending, and `InvalidFile` for a pair without a
+    folded form.
     """
     pattern, title = read.pattern, plain_title(read.title or target.stem)
     findings = [*read.findings, *inspect_closure(pattern)]
     ending = target.suffix.lower()
-    if ending == ".fold":
-        files = {target.name: fold_bytes(pattern, title, read.states)}
-    elif ending == ".svg":
-        files = {target.name: simulator_svg_bytes(pattern, title)}
-    elif ending == ".obj":
-        files = _obj_pair(pattern, target, title)
+    if ending not in WRITTEN:
+        *others, last = WRITTEN
+        hint = did_you_mean(ending, WRITTEN)
+        raise InvalidJob(f"{target}: must end in {', '.join(others)} or {last}.{hint}")
+    if ending == ".obj":
         findings += _lost(pattern)
+        return Made(_obj_pair(pattern, target, title), {}, tuple(findings))
+    if ending == ".fold":
+        data = fold_bytes(pattern, title, read.states)
+    elif ending == ".svg":
+        data = simulator_svg_bytes(pattern, title)
+    elif ending == ".png":
+        data = reading_png_bytes(read, title)
+    elif ending == ".dxf":
+        from fab.formats.dxf_writer import angles_lost_in_dxf, dxf_bytes
+
+        data = dxf_bytes(pattern, title)
+        findings += angles_lost_in_dxf(pattern)
     else:
-        raise InvalidJob(f"{target}: must end in .fold, .svg or .obj.")
-    return Made(files, {}, tuple(findings))
+        data = cp_bytes(pattern)
+        findings += lost_in_cp(pattern)
+    return Made({target.name: data}, {}, tuple(findings))
 
 
 def _obj_pair(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:

@@ -41,7 +41,8 @@ def with_border(lines: Lines, tolerance_mm: float) -> tuple[Lines, list[Repair]]
     repairs = []
     if len(missing):
         text = f"{lines.named(missing)} with a face on one side alone: taken for border (B)."
-        repairs.append(Repair("border-unmarked", Severity.WARNING, text, lines.planar[missing]))
+        edges, places = lines.planar[missing], lines.middles(missing)
+        repairs.append(Repair("border-unmarked", Severity.WARNING, text, edges, places))
         letters = lines.letters.copy()
         letters[missing] = "B"
         lines = replace(lines, letters=letters)
@@ -79,7 +80,8 @@ def _found(lines: Lines) -> tuple[Lines, list[Repair]]:
     )
     letters = lines.letters.copy()
     letters[rows] = "B"
-    repair = Repair("border-found", Severity.WARNING, text, lines.planar[rows])
+    edges, places = lines.planar[rows], lines.middles(rows)
+    repair = Repair("border-found", Severity.WARNING, text, edges, places)
     return replace(lines, letters=letters), [repair]
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn_border import with_border
-from fab.formats.lines import Faces, Lines, Repair, place_of
+from fab.formats.lines import Faces, Lines, Repair, place_of, places_of
 from fab.formats.planar_lines import PlanarLines
 from fab.formats.read_options import ReadOptions
 from fab.geometry.bridges import bridges
@@ -66,7 +66,10 @@ def drawn_sheet(
             f"{'is a hole' if len(inner) == 1 else 'are holes'}, the first around "
             f"{place_of(lines.coords[ring].mean(axis=0))}."
         )
-        findings.append(Finding("hole", Severity.NOTE, text))
+        bounds = zip(regions.offsets[inner], regions.offsets[inner + 1], strict=True)
+        rings = [lines.coords[regions.corners[start:end]] for start, end in bounds]
+        middles = np.array([ring.mean(axis=0) for ring in rings])
+        findings.append(Finding("hole", Severity.NOTE, text, places=places_of(middles)))
     lines, cuts = _without_inner_borders(lines, closed, regions, solid, planar, options)
     repairs += cuts
     outside = _outside(lines, closed, regions, solid)
@@ -77,7 +80,8 @@ def drawn_sheet(
             f"{lines.named(rows)} outside of the border: left out, the first from "
             f"{place_of(start)} to {place_of(end)}. Draw the border around what belongs to it."
         )
-        repairs.append(Repair("line-outside", Severity.WARNING, text, rows[:0]))
+        places = lines.middles(rows)
+        repairs.append(Repair("line-outside", Severity.WARNING, text, rows[:0], places))
         kept_as[lines.planar[outside]] = -1
         lines = lines.part(~outside)
     if joins_runs:
@@ -147,7 +151,8 @@ def _without_inner_borders(
     ):
         if len(rows):
             text = f"{lines.named(rows)}: {what} for a cut (C)."
-            repairs.append(Repair(code, Severity.WARNING, text, lines.planar[rows]))
+            edges, places = lines.planar[rows], lines.middles(rows)
+            repairs.append(Repair(code, Severity.WARNING, text, edges, places))
     return replace(lines, letters=letters), repairs
 
 
@@ -293,4 +298,6 @@ def _bridged(lines: Lines, first: int) -> tuple[Lines, Faces, list[Repair]]:
         planar=np.concatenate([lines.planar, planar]),
     )
     _, regions, solid = _solids(lines)
-    return lines, _faces(regions, solid), [Repair("island-joined", Severity.WARNING, text, planar)]
+    places = lines.coords[pairs].mean(axis=1)
+    repair = Repair("island-joined", Severity.WARNING, text, planar, places)
+    return lines, _faces(regions, solid), [repair]

@@ -26,6 +26,7 @@ from fab.formats.line_soup import UNLETTERED, LineSoup
 from fab.formats.read_options import ReadOptions
 from fab.formats.sheet_drawings import OPERATIONS, recovered_sheet
 from fab.formats.source_files import shown
+from fab.formats.units import unit_named
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["read_dxf"]
@@ -105,7 +106,12 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     `join_dashes` and `recovered_sheet`.
     """
     document, recovered = read_document(path)
-    findings = [*recovered, *unit_findings(document)]
+    mm = mm_per_unit_of(document)
+    findings = [*recovered]
+    if mm is not None:
+        findings += unit_named(mm, options)
+    elif options.mm_per_unit is None:
+        findings += unit_findings(document)
     left_out = _LeftOut()
     try:
         drawn, spaces = _drawn_entities(path, document, left_out)
@@ -116,7 +122,6 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
             f"{path}: the blocks, layers or layouts of the DXF file are damaged: "
             f"{shown(str(error))}. Export it again."
         ) from error
-    mm = mm_per_unit_of(document)
     lines, element, closed, curves = _lines(path, drawn, left_out, mm or options.mm_per_unit or 1.0)
     findings += [*spaces, *_left_out_findings(left_out), *curves]
     if not len(lines):

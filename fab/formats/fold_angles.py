@@ -8,10 +8,9 @@ import numpy as np
 
 from fab.errors import Finding, Severity, first_few
 from fab.formats.line_soup import UNLETTERED
-from fab.formats.lines import Lines
+from fab.formats.lines import Lines, places_of
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG
-from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["full_fold_deg", "with_fold_angles"]
@@ -103,14 +102,10 @@ def with_fold_angles(
 
 
 def full_fold_deg(options: ReadOptions) -> float:
-    """What mountains and valleys without an angle fold by. Raises `InvalidValue`."""
-    full = _FULLY_FOLDED_DEG if options.fold_deg is None else options.fold_deg
-    if not 0 < full <= _FULLY_FOLDED_DEG:
-        raise InvalidValue(
-            "fold_deg", options.fold_deg, "be over 0 and at most 180", "Give --fold-deg in degrees."
-        )
-    return full
+    """What mountains and valleys without an angle fold by."""
+    return _FULLY_FOLDED_DEG if options.fold_deg is None else options.fold_deg
 
 
 def _of_lines(code: str, severity: Severity, text: str, lines: Lines, rows: np.ndarray) -> Finding:
-    return Finding(code, severity, text, creases=first_few(np.sort(lines.number[rows])))
+    creases, places = first_few(np.sort(lines.number[rows])), places_of(lines.middles(rows))
+    return Finding(code, severity, text, creases=creases, places=places)

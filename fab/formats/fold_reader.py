@@ -36,18 +36,18 @@ from fab.formats.importer import (
     findings_of,
     imported_lines,
     pattern_of_sheet,
-    require_no_repairs,
 )
 from fab.formats.line_soup import LETTERS, UNLETTERED, Letters
-from fab.formats.lines import Lines, listed, place_of
+from fab.formats.lines import Lines, listed, place_of, places_of
 from fab.formats.pattern_file import PatternFile
 from fab.formats.planar_lines import DrawnLines, ranks_of
 from fab.formats.read_options import ReadOptions
 from fab.formats.sheet_pattern import sheet_pattern
+from fab.formats.strictness import require_no_repairs
+from fab.formats.units import unit_named, unit_unknown
 from fab.geometry.arrangement import Arrangement
 from fab.geometry.rings import next_corner
 from fab.pattern.crease_pattern import CreasePattern
-from solver.errors import require_positive
 from solver.graphs import labels
 from solver.mesh import Edges, edges_of
 from solver.vectors import BoolArray, FloatArray, IntArray
@@ -166,7 +166,15 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
         if shape is not None and frame is not frames.folded
     ]
     require_no_repairs(file, findings, options)
-    return PatternFile(frames.title, made.pattern, tuple(states), tuple(findings), frames.patterns)
+    return PatternFile(
+        frames.title,
+        made.pattern,
+        tuple(states),
+        tuple(findings),
+        frames.patterns,
+        scale,
+        made.origin,
+    )
 
 
 def _diagonal(coords: FloatArray) -> float:
@@ -218,7 +226,8 @@ def _vertices_merged(lines: Lines, graph: Arrangement) -> tuple[IntArray, list[F
         f"{listed('vertex', gone, 'vertices')} in the {'places' if several else 'place'} of "
         f"{'others' if several else 'another'}, the first at {place}: merged."
     )
-    return source, [Finding("vertices-merged", Severity.WARNING, text)]
+    places = places_of(lines.coords[gone])
+    return source, [Finding("vertices-merged", Severity.WARNING, text, places=places)]
 
 
 def _moved(
@@ -272,20 +281,23 @@ def _folded(
 
 
 def _finding(
-    code: str, severity: Severity, text: str, edges: IntArray | Sequence[int] = ()
+    code: str,
+    severity: Severity,
+    text: str,
+    edges: IntArray | Sequence[int] = (),
+    places: FloatArray | None = None,
 ) -> Finding:
-    return Finding(code, severity, text, creases=first_few(edges))
+    marked = () if places is None else places_of(places)
+    return Finding(code, severity, text, creases=first_few(edges), places=marked)
 
 
 def _scale(path: Path, frame: dict[str, Any], options: ReadOptions) -> tuple[float, list[Finding]]:
-    if options.mm_per_unit is not None:
-        require_positive("mm_per_unit", options.mm_per_unit)
     if frame.get("frame_unit", "unit") != "unit":
-        return _mm(path, frame), []
+        named = _mm(path, frame)
+        return named, unit_named(named, options)
     if options.mm_per_unit is not None:
         return options.mm_per_unit, []
-    text = f"the file names no unit: one unit is taken for {_DEFAULT_MM:g} mm."
-    return _DEFAULT_MM, [_finding("unit-unknown", Severity.NOTE, text)]
+    return _DEFAULT_MM, [unit_unknown("the file names no unit: one unit", _DEFAULT_MM)]
 
 
 def _mm(path: Path, frame: dict[str, Any]) -> float:
@@ -380,7 +392,8 @@ def _distinct(
         pairs = merged[pairs]
         which = np.flatnonzero(short)
         text = f"{listed('edge', which)} without length: removed, its ends merged."
-        findings.append(_finding("zero-length-edge", Severity.WARNING, text, which))
+        places = coords[pairs[which, 0]]
+        findings.append(_finding("zero-length-edge", Severity.WARNING, text, which, places))
     kept = pairs[:, 0] != pairs[:, 1]
     key = pairs.min(axis=1) * len(coords) + pairs.max(axis=1)
     order = np.lexsort((np.arange(len(key)), -ranks_of(letters), key))
@@ -397,5 +410,6 @@ def _distinct(
         which = np.sort(order[repeated])
         kept[which] = False
         text = f"{listed('edge', which)}: a second edge between the same vertices; removed."
-        findings.append(_finding("duplicate-edge", Severity.WARNING, text, which))
+        places = coords[pairs[which]].mean(axis=1)
+        findings.append(_finding("duplicate-edge", Severity.WARNING, text, which, places))
     return kept, pairs, merged, findings

@@ -8,7 +8,6 @@ one.
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import shapely
@@ -23,24 +22,19 @@ from fab.formats.pattern_file import PatternFile
 from fab.formats.planar_lines import DrawnLines, PlanarLines, planar_lines
 from fab.formats.read_options import ReadOptions
 from fab.formats.sheet_pattern import SheetPattern, sheet_pattern
+from fab.formats.strictness import require_no_repairs
+from fab.formats.units import unit_unknown
 from fab.geometry.planar_regions import Regions, points_within
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import FloatArray, IntArray
 
 __all__ = [
-    "NO_REPAIRS",
     "findings_of",
     "imported_lines",
     "pattern_of_lines",
     "pattern_of_sheet",
-    "require_no_repairs",
 ]
 
-# Findings about what is as it was drawn, or as the options ask for it.
-NO_REPAIRS = (
-    *("crease-dangling", "frame-turned", "hole", "runs-joined", "sheet-overlaps"),
-    *("letters-assignable", "letters-assigned", "letters-contradict"),
-)
 _DEFAULT_MM = 1.0
 
 
@@ -61,8 +55,7 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     if scale is None:
         scale = _DEFAULT_MM if options.mm_per_unit is None else options.mm_per_unit
         if options.mm_per_unit is None:
-            text = f"the file names no unit: one unit is taken for {scale:g} mm."
-            findings.append(Finding("unit-unknown", Severity.NOTE, text))
+            findings.append(unit_unknown("the file names no unit: one unit", scale))
     require_positive("mm_per_unit", scale)
     lines = _lines_of(soup)
     coords = soup.lines_coords
@@ -75,7 +68,9 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     made = pattern_of_sheet(sheet, None, options, none_given=given)
     findings += findings_of(sheet, made)
     require_no_repairs(soup.path, findings, options)
-    return PatternFile(soup.title, made.pattern, (), tuple(findings))
+    return PatternFile(
+        soup.title, made.pattern, (), tuple(findings), mm_per_unit=scale, origin=made.origin
+    )
 
 
 def _lines_of(soup: LineSoup) -> Lines:
@@ -172,10 +167,3 @@ def findings_of(sheet: DrawnSheet, made: SheetPattern) -> list[Finding]:
     numbers = row[sheet.kept_as]  # the last entry is that of what is left out
     repairs = [repair.finding(numbers) for repair in sheet.repairs]
     return [*repairs, *sheet.findings, *made.findings]
-
-
-def require_no_repairs(path: Path, findings: list[Finding], options: ReadOptions) -> None:
-    """Raise `InvalidFile` with the first repair where none are wanted."""
-    repairs = [finding for finding in findings if finding.code not in NO_REPAIRS]
-    if options.strict and repairs:
-        raise InvalidFile(f"{path}: {repairs[0].text}")

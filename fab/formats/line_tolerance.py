@@ -8,7 +8,6 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fab.errors import InvalidFile
-from solver.errors import require_positive
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -53,7 +52,6 @@ def tolerance_of(coords: FloatArray, element: IntArray, merge_mm: float | None) 
     smooth = _smooth_joints(coords, element, length)
     size = float(np.hypot(*np.ptp(coords.reshape(-1, 2), axis=0)))
     if merge_mm is not None:
-        require_positive("merge_mm", merge_mm)
         if merge_mm >= size / 2:
             raise InvalidFile(
                 f"--merge-mm {merge_mm:g}: must be under half the drawing's diagonal, "

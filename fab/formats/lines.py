@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,10 @@ from fab.errors import Finding, Severity, first_few
 from fab.formats.line_soup import Letters
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Faces", "Lines", "Repair", "listed", "place_of"]
+__all__ = ["Faces", "Lines", "Repair", "listed", "place_of", "places_of"]
+
+# A finding has up to this many places; its text has the count of all.
+_PLACES = 200
 
 
 @dataclass(frozen=True)
@@ -75,6 +78,11 @@ class Lines:
         """The middle of a line."""
         return place_of(self.coords[self.pairs[row]].mean(axis=0))
 
+    def middles(self, rows: IntArray | BoolArray) -> FloatArray:
+        """The middles of some of the lines, shape (n, 2)."""
+        out: FloatArray = self.coords[self.pairs[rows]].mean(axis=1)
+        return out
+
 
 @dataclass(frozen=True)
 class Faces:
@@ -94,18 +102,23 @@ class Faces:
 
 @dataclass(frozen=True)
 class Repair:
-    """A finding about edges of the planar graph, which are not yet those of the pattern."""
+    """A finding about edges of the planar graph, which are not yet those of the pattern.
+
+    places : in the drawing, mm, shape (n, 2).
+    """
 
     code: str
     severity: Severity
     text: str
     edges: IntArray
+    places: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
     def finding(self, numbers: IntArray) -> Finding:
         """The finding; `numbers` gives the pattern's edge of each planar one, -1 where none is."""
         edges = numbers[self.edges]
+        creases = first_few(np.unique(edges[edges >= 0]))
         return Finding(
-            self.code, self.severity, self.text, creases=first_few(np.unique(edges[edges >= 0]))
+            self.code, self.severity, self.text, creases=creases, places=places_of(self.places)
         )
 
 
@@ -114,6 +127,11 @@ def listed(kind: str, numbers: IntArray | Sequence[int], several: str = "") -> s
     more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
     noun = (several or f"{kind}s") if len(numbers) > 1 else kind
     return f"{noun} {', '.join(map(str, numbers[:5]))}{more}"
+
+
+def places_of(points: FloatArray) -> tuple[tuple[float, float], ...]:
+    """The first 200 of some points, shape (n, 2), as a finding lists them."""
+    return tuple((float(x), float(y)) for x, y in points[:_PLACES])
 
 
 def place_of(point: FloatArray) -> str:

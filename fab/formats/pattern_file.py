@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+
+import numpy as np
 
 from fab.errors import Finding
-from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.crease_pattern import CreasePattern, scaled
 from solver.vectors import FloatArray
 
-__all__ = ["PatternFile", "State"]
+__all__ = ["PatternFile", "State", "resized"]
 
 # A folded shape by its title and points, shape (nv, 3), mm.
 State = tuple[str, FloatArray]
@@ -24,6 +26,9 @@ class PatternFile:
     states : other folded shapes than the folded form, by their titles, in mm.
     findings : what was repaired, assumed or noticed.
     patterns : how many crease patterns the file holds; `ReadOptions.frame` chooses one of them.
+    mm_per_unit : millimetres per unit of the file.
+    origin : the pattern's lower left corner in the file, mm, shape (2,): places of findings are
+        measured from where the file has its own origin.
     """
 
     title: str
@@ -31,3 +36,31 @@ class PatternFile:
     states: tuple[State, ...]
     findings: tuple[Finding, ...]
     patterns: int = 1
+    mm_per_unit: float = 1.0
+    origin: FloatArray = field(default_factory=lambda: np.zeros(2))
+
+
+def resized(
+    read: PatternFile, *, width_mm: float | None = None, factor: float | None = None
+) -> PatternFile:
+    """What was read with its longer side `width_mm` long, or `factor` times as large; see `scaled`.
+
+    Texts of findings keep the coordinates of the file; their places follow the size.
+    """
+    pattern = scaled(read.pattern, width_mm=width_mm, factor=factor)
+    if pattern is read.pattern:
+        return read
+    before, after = (np.ptp(p.vertices_coords, axis=0).max() for p in (read.pattern, pattern))
+    times = float(after / before)
+    findings = tuple(
+        replace(finding, places=tuple((x * times, y * times) for x, y in finding.places))
+        for finding in read.findings
+    )
+    return replace(
+        read,
+        pattern=pattern,
+        states=tuple((title, coords * times) for title, coords in read.states),
+        findings=findings,
+        mm_per_unit=read.mm_per_unit * times,
+        origin=read.origin * times,
+    )

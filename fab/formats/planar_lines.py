@@ -165,7 +165,8 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
                 f"away, the first of {named.name(own[0])} at {place_of(point)} {within}."
             )
             edges = row_of[np.unique(own)]
-            out.append(Repair(code, Severity.WARNING, text, edges[edges >= 0]))
+            places = graph.lines_coords[own, end]
+            out.append(Repair(code, Severity.WARNING, text, edges[edges >= 0], places))
     split = np.union1d(crossings, joints)
     if len(split):
         parts = [
@@ -179,7 +180,8 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
         first = place_of(graph.vertices_coords[split[0]])
         text = f"lines are split at {' and '.join(parts)}, the first at {first}."
         edges = np.flatnonzero(np.isin(graph.edges_vertices, split).any(axis=1))
-        out.append(Repair("lines-split", Severity.NOTE, text, edges))
+        places = graph.vertices_coords[split]
+        out.append(Repair("lines-split", Severity.NOTE, text, edges, places))
     bent = _bends(graph)
     if len(bent[0]) and bent[1].max() > tolerance.mm * 1e-3 and bent[1].max() > _MOVED_REL * size:
         worst = int(np.argmax(bent[1]))
@@ -189,7 +191,8 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             f"{place_of(graph.vertices_coords[bent[0][worst]])} {within}."
         )
         edges = np.flatnonzero((graph.edges_vertices == bent[0][worst]).any(axis=1))
-        out.append(Repair("lines-bent", Severity.NOTE, text, edges))
+        places = graph.vertices_coords[bent[0][[worst]]]
+        out.append(Repair("lines-bent", Severity.NOTE, text, edges, places))
     repeated = np.flatnonzero(graph.repeated())
     if len(repeated):
         kept = lines.letters[row_of[repeated[0]]]
@@ -199,7 +202,8 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             f"{named.name(repeated[0])} at {middle}: "
             f"taken once, as {kept}, the strongest letter there."
         )
-        out.append(Repair("duplicate-line", Severity.WARNING, text, row_of[repeated]))
+        places = graph.lines_coords[repeated].mean(axis=1)
+        out.append(Repair("duplicate-line", Severity.WARNING, text, row_of[repeated], places))
     shared = np.flatnonzero(graph.edges_count > 1)
     shared = shared[~np.isin(shared, edge[np.isin(line, repeated)])]
     if len(shared):
@@ -211,7 +215,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             f"{place_of(start)} to {place_of(end)}: one edge, {lines.letters[one]}"
             + (f"; {counted(len(shared) - 1, 'more place')} alike." if len(shared) > 1 else ".")
         )
-        out.append(Repair("lines-overlap", Severity.WARNING, text, shared))
+        out.append(Repair("lines-overlap", Severity.WARNING, text, shared, lines.middles(shared)))
     lost = np.flatnonzero(row_of < 0)
     if len(lost):
         point = graph.lines_coords[lost[0], 0]
@@ -219,7 +223,8 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             f"{counted(len(lost), 'line')} shorter than the tolerance, the first "
             f"{named.name(lost[0])} at {place_of(point)}: removed {within}."
         )
-        out.append(Repair("zero-length-line", Severity.WARNING, text, lost[:0]))
+        places = graph.lines_coords[lost, 0]
+        out.append(Repair("zero-length-line", Severity.WARNING, text, lost[:0], places))
     return out
 
 

@@ -6,7 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from solver.errors import InvalidValue, require_count, require_positive
+
 __all__ = ["ReadOptions"]
+
+_FULLY_FOLDED_DEG = 180.0
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class ReadOptions:
     assign : give letters to creases without one (U) where flat folding leaves one possibility only.
     fold_deg : fold angle of mountains and valleys that have none; None: 180.
     rigid : take the fold angles of a rigid fold up to `fold_deg`. Readers leave that to commands:
-        `fab.folding.rigid_angles`.
+        `fab.jobs.reading`.
     frame : number of the crease pattern among several of one file, from 1; None: the first.
     """
 
@@ -41,3 +45,15 @@ class ReadOptions:
     fold_deg: float | None = None
     rigid: bool = False
     frame: int | None = None
+
+    def __post_init__(self) -> None:
+        """Raise `InvalidValue` for numbers out of bounds."""
+        for name in ("mm_per_unit", "merge_mm"):
+            if (value := getattr(self, name)) is not None:
+                require_positive(name, value)
+        if self.fold_deg is not None and not 0 < self.fold_deg <= _FULLY_FOLDED_DEG:
+            raise InvalidValue(
+                "fold_deg", self.fold_deg, "be over 0 and at most 180", "Give it in degrees."
+            )
+        if self.frame is not None:
+            require_count("frame", self.frame, 1, "Count crease patterns from 1.")

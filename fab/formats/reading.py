@@ -22,6 +22,7 @@ _DRAWINGS = {
     ".cp": ("cp", "read_cp"),
     ".opx": ("opx", "read_opx"),
     ".ori": ("ori", "read_ori"),
+    ".orh": ("ori", "read_ori"),
 }
 READ = (".fold", *_DRAWINGS, ".obj")
 # What files without such an ending begin with.
@@ -48,6 +49,10 @@ def read_pattern_file(path: str | Path, options: ReadOptions | None = None) -> P
         ending = _ending_by_content(file)
     if ending == ".fold":
         return read_fold(file, options)
+    if options.frame not in (None, 1):
+        raise InvalidFile(
+            f"{path}: --frame {options.frame}: the file has 1 crease pattern. Give 1."
+        )
     if ending == ".obj":
         return read_obj_pattern(file, options)
     module, function = _DRAWINGS[ending]

@@ -10,7 +10,7 @@ import numpy as np
 from fab.errors import Finding, InvalidFile, Severity, first_few
 from fab.formats.crease_letters import lettered
 from fab.formats.fold_angles import with_fold_angles
-from fab.formats.lines import Faces, Lines
+from fab.formats.lines import Faces, Lines, places_of
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
 from solver.errors import InvalidValue
@@ -29,12 +29,14 @@ class SheetPattern:
     lines : all edges, in the order of the pattern's.
     edges : the sides of the faces, the first of the pattern's edges.
     used : which of the vertices of the lines are the pattern's, shape (nv,).
+    origin : the pattern's lower left corner in the drawing, mm, shape (2,).
     """
 
     pattern: CreasePattern
     lines: Lines
     edges: Edges
     used: BoolArray
+    origin: FloatArray
     findings: tuple[Finding, ...]
 
 
@@ -86,8 +88,9 @@ def sheet_pattern(
     used[edges_vertices] = True
     place = np.cumsum(used) - 1
     coords = lines.coords[used]
+    origin = coords.min(axis=0)
     pattern = CreasePattern(
-        coords - coords.min(axis=0),
+        coords - origin,
         place[edges_vertices],
         edges_faces,
         lines.letters,
@@ -100,11 +103,12 @@ def sheet_pattern(
         pattern, found = lettered(pattern, lines, options)
         findings += found
         lines = replace(lines, letters=pattern.edges_assignment, angles=pattern.edges_foldAngle)
-    return SheetPattern(pattern, lines, edges, used, tuple(findings))
+    return SheetPattern(pattern, lines, edges, used, origin, tuple(findings))
 
 
 def _about(code: str, severity: Severity, text: str, lines: Lines, rows: IntArray) -> Finding:
-    return Finding(code, severity, text, creases=first_few(np.sort(lines.number[rows])))
+    creases, places = first_few(np.sort(lines.number[rows])), places_of(lines.middles(rows))
+    return Finding(code, severity, text, creases=creases, places=places)
 
 
 def _places(lines: Lines, sides: IntArray) -> IntArray:

@@ -26,6 +26,7 @@ from fab.formats.sheet_drawings import OPERATIONS, recovered_sheet
 from fab.formats.svg_styles import local_name
 from fab.formats.svg_tree import Drawing, Shape, drawing_of
 from fab.formats.svg_viewports import PX_MM, Page, page_of
+from fab.formats.units import unit_named, unit_unknown
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["FLATNESS_MM", "read_svg"]
@@ -149,22 +150,14 @@ def _pixel(document: Document) -> tuple[float, str]:
 def _unit_findings(
     page: Page, options: ReadOptions, px_mm: float, of_program: str
 ) -> list[Finding]:
-    if page.physical and not (page.by_pixels and of_program):
-        return []
-    size = options.mm_per_unit or px_mm
-    if options.mm_per_unit:
+    if page.physical and not page.by_pixels:
+        return unit_named(1.0, options)
+    if options.mm_per_unit or (page.physical and not of_program):
         return []
     whose = f"of {of_program}" if of_program else "(1/96 inch)"
     lacks = "coordinates" if page.physical else "size"
-    return [
-        Finding(
-            "unit-unknown",
-            Severity.NOTE,
-            f"the file gives its {lacks} in pixels alone: one pixel {whose} is taken for "
-            f"{size:.6g} mm. Give the width of the pattern, or the size of a unit, where this is "
-            "not meant.",
-        )
-    ]
+    what = f"the file gives its {lacks} in pixels alone: one pixel {whose}"
+    return [unit_unknown(what, px_mm)]
 
 
 def _title(root: ET.Element) -> str:

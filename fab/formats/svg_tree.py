@@ -337,17 +337,18 @@ def _shape(
         alpha = found[1]
     opacity = alpha * _share(declared.get("opacity"), 1.0)
     opacity *= _share(context.stroke_opacity, 1.0)
+    sign = {"M": -1.0, "V": 1.0, "U": 0.0}.get(letter or "")
     angle = np.nan
-    if letter == "M" or letter == "V":
-        angle = (180.0 if letter == "V" else -180.0) * opacity + 0.0
+    if sign is not None:
+        angle = 180.0 * sign * opacity + 0.0 if sign else np.nan
         given = element.get("data-foldAngle")
         if given is not None:
             try:
                 value = float(given)
             except ValueError:
                 value = np.nan
-            if 0 < abs(value) <= 180 and (value > 0) == (letter == "V"):
-                angle = value
+            if abs(value) <= 180 and value * sign >= 0:
+                angle = value + 0.0
     return Shape(
         name,
         drawn,

@@ -15,8 +15,9 @@ from line_soups import SQUARE, lengths, soup_of, soup_of_pattern
 from fab.errors import InvalidFile
 from fab.formats.fold_reader import read_pattern
 from fab.formats.fold_writer import fold_bytes
-from fab.formats.importer import NO_REPAIRS, pattern_of_lines
+from fab.formats.importer import pattern_of_lines
 from fab.formats.read_options import ReadOptions
+from fab.formats.strictness import FACTS
 from fab.geometry.rings import ring_areas
 from solver.errors import InvalidValue
 
@@ -127,7 +128,7 @@ def test_every_repair_names_its_place_and_its_edges(rows, code, place, counts):
     assert pattern.vertices_coords.max(axis=0).tolist() == [100, 100]
     assert all(0 <= edge < len(pattern.edges_vertices) for edge in findings[code].creases)
     strict = ReadOptions(strict=True, fold_deg=180)
-    if code in NO_REPAIRS:
+    if code in FACTS:
         imported([*SQUARE, *(row for row in rows if code == "crease-dangling")], strict)
     else:
         with pytest.raises(InvalidFile, match=r"drawing.svg: "):

@@ -1,0 +1,63 @@
+"""Which findings of readers are facts about a file, and which are repairs or assumptions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from fab.errors import Finding, InvalidFile, Severity
+from fab.formats.read_options import ReadOptions
+
+__all__ = ["FACTS", "is_repair", "require_no_repairs"]
+
+# What is as it was drawn, or as the user said: the pattern means nothing else than the file.
+FACTS = frozenset(
+    {
+        # of the file
+        "auxiliary-lines",
+        "comment-lines",
+        "frame-turned",
+        "group-opacity",
+        "half-missing",
+        "unit-named",
+        "unit-unknown",
+        # left out, as it is no crease
+        "elements-skipped",
+        "entities-skipped",
+        "line-without-length",
+        "not-lines",
+        "paper-space",
+        "sheet-addition",
+        "vertex-mark",
+        # drawn in another manner
+        "clip-ignored",
+        "curve-flattened",
+        "curves-flattened",
+        "dashes-joined",
+        "off-plane",
+        "runs-joined",
+        # of the sheet
+        "crease-dangling",
+        "hole",
+        "sheet-overlaps",
+        # asked for
+        "border-hull",
+        "border-inside",
+    }
+)
+# Facts whatever their severity; the others are guesses where they are warnings.
+_WARNINGS_TOO = frozenset({"border-hull", "border-inside", "crease-dangling"})
+
+
+def is_repair(finding: Finding) -> bool:
+    """Whether a finding of a reader is a repair or an assumption."""
+    if finding.code in _WARNINGS_TOO:
+        return False
+    return finding.code not in FACTS or finding.severity != Severity.NOTE
+
+
+def require_no_repairs(path: Path, findings: Sequence[Finding], options: ReadOptions) -> None:
+    """Raise `InvalidFile` with the first repair where none are wanted."""
+    repairs = [finding for finding in findings if is_repair(finding)]
+    if options.strict and repairs:
+        raise InvalidFile(f"{path}: {repairs[0].text} --strict refuses this.")
