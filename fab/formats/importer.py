@@ -36,6 +36,7 @@ __all__ = [
 ]
 
 _DEFAULT_MM = 1.0
+_MOST_LINES = 1_000_000
 
 
 def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> PatternFile:
@@ -77,6 +78,11 @@ def _lines_of(soup: LineSoup) -> Lines:
     count = len(soup.lines_coords)
     if not count:
         raise InvalidFile(f"{soup.path}: no lines. Draw the creases and the border as lines.")
+    if count > _MOST_LINES:
+        raise InvalidFile(
+            f"{soup.path}: {count} lines are over the bound of {_MOST_LINES}. Split the drawing "
+            "into several files."
+        )
     unknown = ~np.isin(soup.lines_assignment, [*LETTERS, UNLETTERED])
     if unknown.any():
         letter = soup.lines_assignment[unknown][0]

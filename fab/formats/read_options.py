@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from solver.errors import InvalidValue, require_count, require_positive
+from solver.errors import InvalidValue, require_positive
 
 __all__ = ["ReadOptions"]
 
@@ -55,5 +55,3 @@ class ReadOptions:
             raise InvalidValue(
                 "fold_deg", self.fold_deg, "be over 0 and at most 180", "Give it in degrees."
             )
-        if self.frame is not None:
-            require_count("frame", self.frame, 1, "Count crease patterns from 1.")

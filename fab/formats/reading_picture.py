@@ -34,7 +34,7 @@ _INCHES = (16.0, 9.0)
 _DPI = 100
 # Share of the width that is for text, and what it holds.
 _TEXT = 0.36
-_LINE_LETTERS = 84
+_LINE_LETTERS = 80
 _MOST_LINES = 34
 _STEP = 0.0235
 

@@ -233,8 +233,9 @@ def _lines(path: Path, shapes: list[Shape]) -> tuple[FloatArray, IntArray, Lette
         )
     letters = np.array([shape.letter or UNLETTERED for shape in shapes], dtype="U1")[element]
     graded = any(not s.opaque for s in shapes if s.letter in ("M", "V"))
-    graded = graded or any(abs(s.angle) < 180 for s in shapes)
-    angle = np.array([shape.angle if graded else np.nan for shape in shapes])
+    graded = graded or any(abs(s.angle) < 180 for s in shapes if s.letter in ("M", "V"))
+    given = [graded or (shape.letter == "U" and shape.angle != 0) for shape in shapes]
+    angle = np.where(given, [shape.angle for shape in shapes], np.nan)
     return coords, element, letters, angle[element]
 
 

@@ -505,9 +505,6 @@ DIALECTS: dict[str, Callable[[Source], Written]] = {
 def ours(name: str) -> Written:
     """The SVG that `convert` writes for Origami Simulator."""
     found = pattern(name)
-    letters = found.edges_assignment.copy()
-    angles = found.edges_foldAngle
-    letters[np.isin(letters, ["M", "V"]) & (np.abs(angles) < 1e-9)] = "F"
-    lines = Source(found.vertices_coords[found.edges_vertices], letters, angles)
-    text = simulator_svg_bytes(found, name).decode()
-    return Written(text, lines.as_letters(J="F"), True)
+    ends = found.vertices_coords[found.edges_vertices]
+    lines = Source(ends, found.edges_assignment, found.edges_foldAngle)
+    return Written(simulator_svg_bytes(found, name).decode(), lines, True)
