@@ -43,10 +43,14 @@ FACTS = frozenset(
         # asked for
         "border-hull",
         "border-inside",
+        "letters-assigned",
+        "rigid-fold",
+        # possible
+        "letters-assignable",
     }
 )
 # Facts whatever their severity; the others are guesses where they are warnings.
-_WARNINGS_TOO = frozenset({"border-hull", "border-inside", "crease-dangling"})
+_WARNINGS_TOO = frozenset({"border-hull", "border-inside", "crease-dangling", "letters-contradict"})
 
 
 def is_repair(finding: Finding) -> bool:

@@ -13,6 +13,7 @@ from formats.drawing_dialects import DIALECTS, Source
 from fab.cli.group import main
 from fab.formats.fold_reader import read_fold
 from fab.formats.reading import READ
+from fab.pattern.kinematics import vertices_closure_rad
 
 # A strip of three panels, folded to a step: a mountain at x = 30 and a valley at x = 70.
 FLAT = [[x, y, 0] for x in (0, 30, 70, 100) for y in (0, 60)]
@@ -347,6 +348,51 @@ def test_fold_angles_where_none_are_given(here):
     for angle in ("0", "181", "nan"):
         words = ["--fold-deg", angle]
         assert "fold_deg" in refused(here, "convert", drawing, "a.fold", *words)
+
+
+def miura_without_angles(here):
+    """A Miura pattern without fold angles and folded form, and its document."""
+    from helpers import PATTERNS
+
+    source = json.loads((PATTERNS / "miura.fold").read_text())
+    source.pop("file_frames", None)
+    source.pop("edges_foldAngle", None)
+    path = here / "miura.fold"
+    path.write_text(json.dumps(source))
+    return path, source
+
+
+def test_fold_angles_of_a_rigid_fold(here):
+    path, _ = miura_without_angles(here)
+    flat, _ = converted(here, path, "--fold-deg", "60")
+    folding = np.isin(flat.edges_assignment, ["M", "V"])
+    assert set(np.abs(flat.edges_foldAngle[folding])) == {60}
+    pattern, output = converted(here, path, "--fold-deg", "60", "--rigid")
+    assert "note: rigid-fold" in output
+    assert "fold-angle-missing" not in output
+    angles = np.abs(pattern.edges_foldAngle[folding])
+    assert angles.max() == pytest.approx(60, abs=1e-6)
+    assert len(np.unique(np.round(angles, 6))) == 2  # of a Miura fold: two kinds of creases
+    assert np.nanmax(vertices_closure_rad(pattern)) < 1e-9
+    assert (np.sign(pattern.edges_foldAngle) == np.sign(flat.edges_foldAngle)).all()
+
+
+def test_creases_without_a_letter_are_assigned_where_there_is_one_choice(here):
+    """Maekawa: of four creases at a vertex three are alike, so the fourth follows."""
+    path, source = miura_without_angles(here)
+    letters = list(source["edges_assignment"])
+    whole, _ = converted(here, path)
+    folding = [i for i, letter in enumerate(letters) if letter.upper() in "MV"]
+    source["edges_assignment"] = [
+        "U" if i == folding[len(folding) // 2] else letter for i, letter in enumerate(letters)
+    ]
+    path.write_text(json.dumps(source))
+    pattern, output = converted(here, path)
+    assert counts_of(pattern)["U"] == 1
+    assert "give --assign" in output
+    pattern, output = converted(here, path, "--assign")
+    assert counts_of(pattern) == counts_of(whole)
+    assert pattern.edges_assignment.tolist() == whole.edges_assignment.tolist()
 
 
 def test_one_of_several_patterns_is_chosen(here):
