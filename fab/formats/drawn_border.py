@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from fab.errors import InvalidFile, Severity, counted
 from fab.formats.lines import Lines, Repair, place_of
+from fab.formats.read_options import ReadOptions
 from fab.geometry.planar_graph import without_dangling
 from fab.geometry.planar_regions import points_within, regions_of
 from solver.graphs import labels
@@ -21,11 +22,14 @@ _STRAIGHT_REL = 1e-6
 _HULL = "draw the outline, or give --border hull for the convex hull of all lines"
 
 
-def with_border(lines: Lines, tolerance_mm: float) -> tuple[Lines, list[Repair]]:
+def with_border(
+    lines: Lines, tolerance_mm: float, options: ReadOptions
+) -> tuple[Lines, list[Repair]]:
     """The lines with closed borders (B), some of which the drawing does not mark.
 
     Without any border it is the outermost closed lines; a straight line of another letter between
-    two ends of the border belongs to it. Raises `InvalidFile` for outlines that stay open, with
+    two ends of the border belongs to it. With `options.inner_border` "cut", borders that end
+    within the sheet are cuts (C). Raises `InvalidFile` for outlines that stay open, with
     both ends of the gap, and where no closed line is around all others.
     """
     if not (lines.letters == "B").any():
@@ -48,9 +52,28 @@ def with_border(lines: Lines, tolerance_mm: float) -> tuple[Lines, list[Repair]]
         lines = replace(lines, letters=letters)
         degree = _degree(lines)
     ends = np.flatnonzero(degree == 1)
+    if len(ends) and options.inner_border == "cut":
+        lines, cuts = _slits_cut(lines, outer)
+        repairs += cuts
+        ends = np.flatnonzero(_degree(lines) == 1)
     if len(ends):
         _refuse_gap(lines, ends)
     return lines, repairs
+
+
+def _slits_cut(lines: Lines, outer: BoolArray) -> tuple[Lines, list[Repair]]:
+    """Borders that end within the sheet as cuts: those that are part of no closed line."""
+    borders = np.flatnonzero(lines.letters == "B")
+    open_ones = borders[~without_dangling(lines.pairs[borders])]
+    rows = open_ones[~outer[open_ones]]
+    if not len(rows):
+        return lines, []
+    text = f"{lines.named(rows)}: a border that ends within the sheet is taken for a cut (C)."
+    edges, places = lines.planar[rows], lines.middles(rows)
+    letters = lines.letters.copy()
+    letters[rows] = "C"
+    repair = Repair("border-inside", Severity.WARNING, text, edges, places)
+    return replace(lines, letters=letters), [repair]
 
 
 def _degree(lines: Lines) -> IntArray:
@@ -120,7 +143,8 @@ def _refuse_gap(lines: Lines, ends: IntArray) -> None:
     if len(ends) == 1:
         raise InvalidFile(
             f"{lines.path}: the outline is open at {lines.name(rows[0])}: it ends at "
-            f"{place_of(points[0])}. Go on to another border, or make it a cut (C)."
+            f"{place_of(points[0])}. Go on to another border, or make it a cut (C), as "
+            "--inner-border cut does."
         )
     apart, other = cKDTree(points).query(points, k=2)
     first = int(np.argmin(apart[:, 1]))
@@ -131,5 +155,5 @@ def _refuse_gap(lines: Lines, ends: IntArray) -> None:
         f"{lines.path}: the outline is open at {lines.name(rows[first])}: a gap of {gap:.4g} mm "
         f"between {place_of(points[first])} and {place_of(points[second])} "
         f"({lines.name(rows[second])}). Close it, give --merge-mm {gap * 1.01:.3g} or more, or "
-        f"make what ends within the sheet a cut (C).{more}"
+        f"make what ends within the sheet a cut (C), as --inner-border cut does.{more}"
     )

@@ -49,7 +49,7 @@ def drawn_sheet(
 
     Raises `InvalidFile` for open outlines, and borders within the sheet unless they may be cuts.
     """
-    lines, repairs = with_border(planar.lines, tolerance_mm)
+    lines, repairs = with_border(planar.lines, tolerance_mm, options)
     kept_as = np.arange(len(lines.planar))
     closed, regions, solid = _solids(lines)
     findings = []

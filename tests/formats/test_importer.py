@@ -374,3 +374,15 @@ def test_what_was_imported_is_written_and_read_alike(tmp_path):
     assert {f.code for f in findings} <= {"crease-dangling"}
     assert np.array_equal(again.edges_vertices, pattern.edges_vertices)
     assert np.array_equal(again.edges_faces, pattern.edges_faces)
+
+
+def test_borders_that_end_within_the_sheet_are_cuts_on_request():
+    """A slit from the rim, one that lies free and one that ends on a crease."""
+    slits = [("B", 20, 0, 20, 40), ("B", 60, 60, 80, 60), ("B", 50, 20, 70, 20)]
+    rows = [*SQUARE, ("M", 50, 0, 50, 100), *slits]
+    with pytest.raises(InvalidFile, match=r"the outline is open .* --inner-border cut"):
+        imported(rows)
+    pattern, findings = imported(rows, ReadOptions(inner_border="cut"))
+    assert pattern.counts() == {"M": 2, "V": 0, "F": 0, "B": 7, "C": 3}
+    assert "3 edges" in findings["border-inside"].text
+    assert len(findings["border-inside"].creases) == 3
