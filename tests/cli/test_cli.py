@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -414,3 +415,37 @@ def test_the_job_of_the_readme_is_a_job():
     assert parse_job(tomllib.loads(job)).name == "miura"
     whole = {**tomllib.loads(job), **tomllib.loads(surface)}
     assert parse_job(whole).design.model_dump()["surface"] == "dome.stl"
+
+
+def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Bring your own pattern")[2].partition("\n## ")[0]
+    blocks = re.findall(r"```sh\n(.*?)```", part, re.DOTALL)
+    assert len(blocks) == 2
+    for name, source in (
+        ("twist.svg", "square_twist"),
+        ("corner.cp", "box"),
+        ("corner.dxf", "box"),
+    ):
+        assert run("convert", PATTERNS / f"{source}.fold", name).exit_code == 0
+    (here / "theirs.fold").write_bytes(made_template("miura").files["miura.fold"])
+    for line in "".join(blocks).splitlines():
+        words = shlex.split(line, comments=True)
+        if words[1:3] == ["convert", "first.obj"]:
+            for old, new in (("flat", "first"), ("fold", "second")):
+                (here / f"sheet_{old}.obj").rename(here / f"{new}.obj")
+        result = run(*words[1:])
+        assert result.exit_code == 0, result.output
+    assert {"twist.png", "twist.fold", "sheet.dxf", "sheet.cp", "sheet.fold"} <= set(names_in("."))
+    assert "twist_1.dxf" in names_in("sheets")
+    assert "corner_thick.stl" in names_in("solid")
+    assert "corner_folding.gif" in names_in("folding")
+
+
+def test_the_options_of_the_readme_exist():
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("## Bring your own pattern")[2].partition("\n## ")[0]
+    table = part.partition("| option |")[2].partition("\n\n")[0]
+    named = set(re.findall(r"`(--[a-z-]+)", table))
+    assert len(named) == 13
+    assert named <= set(re.findall(r"--[a-z-]+", run("fabricate", "--help").output))
