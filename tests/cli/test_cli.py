@@ -10,6 +10,7 @@ import sys
 import time
 import xml.etree.ElementTree as ElementTree
 import zipfile
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -422,12 +423,11 @@ def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
     part = text.partition("## Bring your own pattern")[2].partition("\n## ")[0]
     blocks = re.findall(r"```sh\n(.*?)```", part, re.DOTALL)
     assert len(blocks) == 2
-    for name, source in (
-        ("twist.svg", "square_twist"),
-        ("corner.cp", "box"),
-        ("corner.dxf", "box"),
-    ):
-        assert run("convert", PATTERNS / f"{source}.fold", name).exit_code == 0
+    rim = [(0, 0), (30, 0), (70, 0), (100, 0), (100, 60), (70, 60), (30, 60), (0, 60), (0, 0)]
+    rows = ["1 {} {} {} {}".format(*p, *q) for p, q in pairwise(rim)]
+    (here / "step.cp").write_text("\n".join([*rows, "2 30 0 30 60", "3 70 0 70 60"]))
+    assert run("convert", "step.cp", "step.dxf").exit_code == 0
+    assert run("convert", PATTERNS / "square_twist.fold", "twist.svg").exit_code == 0
     (here / "theirs.fold").write_bytes(made_template("miura").files["miura.fold"])
     for line in "".join(blocks).splitlines():
         words = shlex.split(line, comments=True)
@@ -438,8 +438,8 @@ def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
         assert result.exit_code == 0, result.output
     assert {"twist.png", "twist.fold", "sheet.dxf", "sheet.cp", "sheet.fold"} <= set(names_in("."))
     assert "twist_1.dxf" in names_in("sheets")
-    assert "corner_thick.stl" in names_in("solid")
-    assert "corner_folding.gif" in names_in("folding")
+    assert "step_thick.stl" in names_in("solid")
+    assert "step_folding.gif" in names_in("folding")
 
 
 def test_the_options_of_the_readme_exist():
