@@ -101,6 +101,10 @@ def imported_lines(
 ) -> tuple[DrawnSheet, PlanarLines]:
     """The sheet of drawn lines, and the planar graph that it was found in."""
     named = drawn.named
+    if not len(drawn.coords):
+        raise InvalidFile(
+            f"{named.path}: no line has a length. Draw the creases and the border as lines."
+        )
     element = named.number if named.element is None else named.element
     repairs: tuple[Repair, ...] = ()
     if options.border == "hull" and not (named.letters == "B").any():

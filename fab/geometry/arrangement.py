@@ -26,8 +26,10 @@ __all__ = ["Arrangement", "arrangement"]
 # Points nearer than this share of the drawing, or of their coordinates, are one in any case.
 _ROUNDING_REL, _ROUNDING_ABS = 1e-12, 1e-14
 # Over the drawing: what is off a line by less was written with few digits. Vertices are not moved
-# for it, and needles that are narrower are none.
-_DIGITS_REL = 3e-6
+# for it, and needles that are narrower are none. No more than a share of what ends reach: two ends
+# of a narrow triangle that are too far apart to be one would else be put onto each other's sides
+# in turn.
+_DIGITS_REL, _DIGITS_OF_REACH = 3e-6, 0.1
 # Sines: lines of a joint that meet another line at less than this are needles; ends of lines that
 # begin on that line, and part from it by less, are on it.
 _NEEDLE, _DOUBLE = 0.1, 0.02
@@ -41,6 +43,13 @@ _MOST_CROSSINGS = 500_000
 _MOST_NEAR = 50_000_000
 # Lines of which the crossings of all are estimated.
 _SAMPLE = 200
+# Pairs of edges that are looked at together.
+_PAIRS = 2_000_000
+# Later rounds change little; lines that grow to so many times their pieces of the first one go in
+# circles.
+_MOST_GROWTH = 20
+# Points with more neighbours than this are joined to the nearest ones first.
+_CROWD, _NEAREST = 40, 8
 
 
 @dataclass(frozen=True)
@@ -168,14 +177,16 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
     settled = False
     _require_few_crossings(lines_coords)
     web, _ = _merged(web)
+    most = 0
     for _ in range(_MOST_ROUNDS):
         web, snapped = _snapped(web, digits, rounding)
         web, joined = _merged(web)
         web, crossed = _crossed(web)
         web, met = _merged(web)
         settled = not (snapped or joined or crossed or met)
-        if settled:
+        if settled or 0 < most < len(web.ends):
             break
+        most = most or _MOST_GROWTH * len(web.ends)
     return _assembled(web, lines_coords, turned, place, settled)
 
 
@@ -224,7 +235,7 @@ def _merged(web: _Web) -> tuple[_Web, bool]:
     """Vertices within reach of each other become that of most lines; whether there were any."""
     alive = np.unique(np.concatenate([web.ends.ravel(), web.lines_ends.ravel()]))
     points, reach = web.points[alive], web.reach[alive]
-    pairs = cKDTree(points).query_pairs(float(reach.max()), output_type="ndarray")
+    pairs = _near_pairs(points, float(reach.max()))
     apart = np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T)
     pairs = pairs[apart <= reach[pairs].min(axis=1)]
     if not len(pairs):
@@ -242,6 +253,17 @@ def _merged(web: _Web) -> tuple[_Web, bool]:
     return replace(
         web, line=web.line[real], ends=ends[real], lines_ends=merged_into[web.lines_ends]
     ), True
+
+
+def _near_pairs(points: FloatArray, reach: float) -> IntArray:
+    """Pairs of points within reach; of crowded ones those with the nearest others."""
+    tree = cKDTree(points)
+    if tree.count_neighbors(tree, reach) <= _CROWD * len(points):
+        return np.asarray(tree.query_pairs(reach, output_type="ndarray"), np.int64)
+    apart, other = tree.query(points, _NEAREST + 1, distance_upper_bound=reach)
+    row, column = np.nonzero(np.isfinite(apart))
+    pairs = np.column_stack([row, other[row, column]])
+    return np.asarray(np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0))
 
 
 def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
@@ -262,15 +284,16 @@ def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     share = (arm * span).sum(axis=1) / length**2
     off = np.abs(_cross(span, arm)) / length
     within = (share > 0) & (share < 1) & (off <= web.reach[vertex])
+    far = off > np.clip(_DIGITS_OF_REACH * web.reach[vertex], rounding, digits)
     rows = np.flatnonzero(within)
-    rows = rows[~_needles(web, edges, vertex[rows], edge[rows], off[rows], digits)]
+    rows = rows[~_needles(web, edges, vertex[rows], edge[rows], far[rows])]
     if not len(rows):
         return web, False
     order = rows[np.lexsort((edge[rows], off[rows], vertex[rows]))]
     nearest = np.ones(len(order), bool)
     nearest[1:] = vertex[order][1:] != vertex[order][:-1]
     own = order[nearest]
-    moving = own[(off[own] > digits) & (web.moves[vertex[own]] < _MOST_MOVES)]
+    moving = own[far[own] & (web.moves[vertex[own]] < _MOST_MOVES)]
     points, moves = web.points.copy(), web.moves.copy()
     points[vertex[moving]] = _places(web, edges, vertex[moving], edge[moving])
     moves[vertex[moving]] += 1
@@ -286,12 +309,14 @@ def _needles(
     edges: IntArray,
     vertex: IntArray,
     edge: IntArray,
-    off: FloatArray,
-    digits: float,
+    off_it: BoolArray,
 ) -> BoolArray:
-    """Which vertices are near to an edge because their own edges run beside it, shape (n,)."""
+    """Which vertices are near to an edge because their own edges run beside it, shape (n,).
+
+    off_it : which of them are off the edge by more than the digits of the file.
+    """
     out = np.zeros(len(vertex), bool)
-    far = np.flatnonzero(off > digits)
+    far = np.flatnonzero(off_it)
     if not len(far):
         return out
     start = np.concatenate([edges[:, 0], edges[:, 1]])
@@ -365,16 +390,24 @@ def _crossing_pairs(points: FloatArray, edges: IntArray) -> tuple[IntArray, IntA
     ends = points[edges]
     shapes = shapely.linestrings(ends)
     tree = shapely.STRtree(shapes)
-    first, second = tree.query(shapes)
-    once = first < second
-    first, second = first[once], second[once]
-    one, other = edges[first], edges[second]
-    apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
-    first, second = first[apart], second[apart]
-    (a, b), (c, d) = ends[first].swapaxes(0, 1), ends[second].swapaxes(0, 1)
-    over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
-    over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
-    return first[over], second[over]
+    found = [np.empty((2, 0), np.int64)]
+    begin, rows = 0, 1000
+    while begin < len(edges):
+        pairs = tree.query(shapes[begin : begin + rows])
+        per_row = pairs.shape[1] / rows
+        pairs[0] += begin
+        begin += rows
+        rows = int(np.clip(_PAIRS / max(per_row, 1.0), 10, 2 * rows))
+        pairs = pairs[:, pairs[0] < pairs[1]]
+        one, other = edges[pairs[0]], edges[pairs[1]]
+        apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
+        pairs = pairs[:, apart]
+        (a, b), (c, d) = ends[pairs[0]].swapaxes(0, 1), ends[pairs[1]].swapaxes(0, 1)
+        over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
+        over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
+        found.append(pairs[:, over])
+    first, second = np.concatenate(found, axis=1)
+    return first, second
 
 
 def _split(web: _Web, edge: IntArray, vertex: IntArray) -> _Web:
