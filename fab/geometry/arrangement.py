@@ -41,6 +41,8 @@ _MOST_ROUNDS = 40
 # More crossings, or lines beside each other's boxes, do not fit into memory and time.
 _MOST_CROSSINGS = 500_000
 _MOST_NEAR = 50_000_000
+# Ends that are on other lines, at most: so many, and so many more for each edge.
+_MOST_BESIDE, _BESIDE_EACH = 300_000, 20
 # Lines of which the crossings of all are estimated.
 _SAMPLE = 200
 # Pairs of edges that are looked at together.
@@ -103,7 +105,7 @@ class Arrangement:
         line, vertex = np.repeat(line[several], 2), self.edges_vertices[edge[several]].ravel()
         inner = (self.ends_vertex[line] != vertex[:, None]).all(axis=1)
         count = max(len(self.vertices_coords), 1)
-        line, vertex = np.divmod(np.unique(line[inner] * count + vertex[inner]), count)
+        line, vertex = np.divmod(_distinct(line[inner] * count + vertex[inner]), count)
         return vertex, line
 
     def crossings(self) -> tuple[IntArray, IntArray]:
@@ -197,15 +199,20 @@ def _require_few_crossings(lines_coords: FloatArray) -> None:
         return
     shapes = shapely.linestrings(lines_coords)
     tree = shapely.STRtree(shapes)
-    sample = shapes[:: -(-count // _SAMPLE)]
-    near = tree.query(sample)
-    crossing = int(shapely.crosses(sample[near[0]], shapes[near[1]]).sum())
+    step = -(-count // _SAMPLE)
+    sample = shapes[::step]
     share = count / len(sample) / 2
-    if crossing * share > _MOST_CROSSINGS or near.shape[1] * share > _MOST_NEAR:
+    row, other = tree.query(sample)
+    near = len(row) * share
+    crossing = near
+    if near <= _MOST_NEAR:
+        row = row * step
+        crossing = share * int(_over(lines_coords[row], lines_coords[other]).sum())
+    if crossing > _MOST_CROSSINGS:
         raise InvalidState(
             "lines",
-            f"{count} lines have about {crossing * share:.2g} crossings and "
-            f"{near.shape[1] * share:.2g} pairs near to each other, over the bounds of "
+            f"{count} lines have about {crossing:.2g} crossings and "
+            f"{near:.2g} pairs near to each other, over the bounds of "
             f"{_MOST_CROSSINGS:g} and {_MOST_NEAR:g}",
             "Draw creases from crossing to crossing, or leave out hatchings.",
         )
@@ -233,7 +240,7 @@ def _sorted(flat: FloatArray, reach: FloatArray) -> tuple[_Web, BoolArray, IntAr
 
 def _merged(web: _Web) -> tuple[_Web, bool]:
     """Vertices within reach of each other become that of most lines; whether there were any."""
-    alive = np.unique(np.concatenate([web.ends.ravel(), web.lines_ends.ravel()]))
+    alive = _marked(len(web.points), web.ends, web.lines_ends)
     points, reach = web.points[alive], web.reach[alive]
     pairs = _near_pairs(points, float(reach.max()))
     apart = np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T)
@@ -242,7 +249,7 @@ def _merged(web: _Web) -> tuple[_Web, bool]:
         return web, False
     group = labels(pairs, len(alive))
     lines = len(web.lines_ends)
-    keys = np.unique(web.ends.T.ravel() * lines + np.tile(web.line, 2))
+    keys = _distinct(web.ends.T.ravel() * lines + np.tile(web.line, 2))
     weight = np.bincount(keys // lines, minlength=len(web.points))[alive]
     order = np.lexsort((points[:, 1], points[:, 0], -weight, group))
     _, first = np.unique(group[order], return_index=True)
@@ -271,13 +278,7 @@ def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     if not len(web.ends):
         return web, False
     edges, _ = web.edges()
-    alive = np.unique(edges)
-    tree = shapely.STRtree(shapely.linestrings(web.points[edges]))
-    at = shapely.points(web.points[alive])
-    vertex, edge = tree.query(at, predicate="dwithin", distance=web.reach[alive])
-    vertex = alive[vertex]
-    free = (edges[edge] != vertex[:, None]).all(axis=1)
-    vertex, edge = vertex[free], edge[free]
+    vertex, edge = _beside(web, edges, _marked(len(web.points), edges))
     start, span = web.points[edges[edge, 0]], np.diff(web.points[edges[edge]], axis=1)[:, 0]
     length = np.hypot(*span.T)
     arm = web.points[vertex] - start
@@ -302,6 +303,33 @@ def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     splits = np.concatenate([own, still])
     web = replace(web, points=points, moves=moves)
     return _split(web, edge[splits], vertex[splits]), True
+
+
+def _beside(web: _Web, edges: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
+    """Vertices and the edges within their reach that do not end in them, a row for each pair."""
+    tree = shapely.STRtree(shapely.linestrings(web.points[edges]))
+    most = _MOST_BESIDE + _BESIDE_EACH * len(edges)
+    found = [np.empty((2, 0), np.int64)]
+    begin, rows, total = 0, 1000, 0
+    while begin < len(vertices):
+        some = vertices[begin : begin + rows]
+        at = shapely.points(web.points[some])
+        row, edge = tree.query(at, predicate="dwithin", distance=web.reach[some])
+        per_row = len(row) / rows
+        begin += rows
+        rows = int(np.clip(_PAIRS / max(per_row, 1.0), 10, 2 * rows))
+        free = (edges[edge] != some[row][:, None]).all(axis=1)
+        found.append(np.stack([some[row[free]], edge[free]]))
+        total += int(free.sum())
+        if total > most:
+            raise InvalidState(
+                "lines",
+                f"ends and crossings of {len(web.lines_ends)} lines are on other lines more than "
+                f"{most} times",
+                "Draw each crease once.",
+            )
+    vertex, edge = np.concatenate(found, axis=1)
+    return vertex, edge
 
 
 def _needles(
@@ -402,10 +430,7 @@ def _crossing_pairs(points: FloatArray, edges: IntArray) -> tuple[IntArray, IntA
         one, other = edges[pairs[0]], edges[pairs[1]]
         apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
         pairs = pairs[:, apart]
-        (a, b), (c, d) = ends[pairs[0]].swapaxes(0, 1), ends[pairs[1]].swapaxes(0, 1)
-        over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
-        over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
-        found.append(pairs[:, over])
+        found.append(pairs[:, _over(ends[pairs[0]], ends[pairs[1]])])
     first, second = np.concatenate(found, axis=1)
     return first, second
 
@@ -459,7 +484,7 @@ def _assembled(
     begin = np.sort(begin)
     number = np.empty(len(edges), np.int64)
     number[edge[begin]] = np.arange(len(begin))
-    keys = np.unique(number[edge] * count + line)
+    keys = _distinct(number[edge] * count + line)
     edges_lines = keys % count
     offsets = np.searchsorted(keys // count, np.arange(len(begin) + 1))
     lines_ends = web.lines_ends[place]
@@ -481,6 +506,31 @@ def _assembled(
         new[lines_ends],
         settled,
     )
+
+
+def _marked(count: int, *numbers: IntArray) -> IntArray:
+    """The numbers below `count` that occur, rising."""
+    out = np.zeros(count, bool)
+    for each in numbers:
+        out[each] = True
+    return np.flatnonzero(out)
+
+
+def _distinct(keys: IntArray) -> IntArray:
+    """As `numpy.unique`, whose hash tables are slow for keys that are evenly spaced."""
+    keys = np.sort(keys)
+    new = np.ones(len(keys), bool)
+    new[1:] = keys[1:] != keys[:-1]
+    out: IntArray = keys[new]
+    return out
+
+
+def _over(first: FloatArray, second: FloatArray) -> BoolArray:
+    """Which lines cross the others between the ends of both, shapes (n, 2, 2)."""
+    (a, b), (c, d) = first.swapaxes(0, 1), second.swapaxes(0, 1)
+    out: BoolArray = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
+    out &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
+    return out
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -142,9 +142,7 @@ def _require_planar(pattern) -> None:
     keep &= (pairs[first][:, :, None] != pairs[second][:, None, :]).all(axis=(1, 2))
     for a, b in zip(first[keep].tolist(), second[keep].tolist(), strict=True):
         common = shapely.intersection(shapes[a], shapes[b])
-        near = [
-            shapely.distance(common, shapely.points(point)) for point in (*ends[a], *ends[b])
-        ]
+        near = [shapely.distance(common, shapely.points(point)) for point in (*ends[a], *ends[b])]
         assert min(near) <= _ROUNDING * size, f"edges {a} and {b} cross"
         assert shapely.length(common) <= _ROUNDING * size, f"edges {a} and {b} overlap"
 

@@ -71,7 +71,9 @@ def _svg(random) -> bytes:
 
 def _drawing(random, kind: str) -> bytes:
     drawn = with_faults(random, _of(random, drawings()))
-    named = [dialect for dialect in drawing_dialects.DIALECTS.values() if dialect.ending[1:] == kind]
+    named = [
+        dialect for dialect in drawing_dialects.DIALECTS.values() if dialect.ending[1:] == kind
+    ]
     return _of(random, named).write(drawing_dialects.Source("fuzz", drawn.coords, drawn.letters))
 
 
