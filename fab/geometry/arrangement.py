@@ -401,6 +401,12 @@ def _crossed(web: _Web) -> tuple[_Web, bool]:
     start, span = web.points[edges[first, 0]], np.diff(web.points[edges[first]], axis=1)[:, 0]
     c, d = web.points[edges[second]].swapaxes(0, 1)
     left, right = _cross(c - start, d - c), _cross(span, d - c)
+    meeting = right != 0  # else they are on one line, but for rounding
+    if not meeting.all():
+        first, second = first[meeting], second[meeting]
+        start, span, left, right = start[meeting], span[meeting], left[meeting], right[meeting]
+        if not len(first):
+            return web, False
     crossing = start + (left / right)[:, None] * span
     number = len(web.points) + np.arange(len(first))
     reach = np.minimum(web.reach[edges[first]].max(axis=1), web.reach[edges[second]].max(axis=1))
