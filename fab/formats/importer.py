@@ -48,8 +48,9 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     for the first repair where `options.strict`. Codes of the findings, beside those of the reader:
     "unit-unknown", "ends-joined", "ends-extended", "lines-split", "lines-bent", "duplicate-line",
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
-    "border-inside", "border-shared", "line-outside", "island-joined", "fold-angle-missing",
-    "fold-angle-contradicts"; and, as no repairs, "runs-joined", "hole", "crease-dangling".
+    "border-inside", "border-shared", "page-frame", "line-outside", "island-joined",
+    "fold-angle-missing", "fold-angle-contradicts"; and, as no repairs, "runs-joined", "hole",
+    "crease-dangling".
     """
     options = ReadOptions() if options is None else options
     findings = list(soup.findings)

@@ -55,8 +55,8 @@ def unfolded(
     if not (norm(spans) > _CLOSED_REL * size).all():
         k = first[np.argmin(norm(spans))]
         raise InvalidFile(
-            f"{path}: the edge ({corners[k]}, {corners[follow[k]]}) between two faces has no length "
-            "in the folded form. Merge both vertices."
+            f"{path}: the edge ({corners[k]}, {corners[follow[k]]}) between two faces has no "
+            "length in the folded form. Merge both vertices."
         )
     face = np.repeat(np.arange(count), np.diff(offsets))
     placed = _placed(local, corners, offsets, follow, face, first, second)

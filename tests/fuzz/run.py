@@ -20,7 +20,6 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
 import numpy as np
-
 from fuzz.oracle import Outcome, options_of, outcome_of
 from fuzz.seeds import KINDS, fuzzed
 

@@ -6,18 +6,18 @@ import json
 import logging
 from functools import cache
 
-import numpy as np
-
 import flat_patterns
+import numpy as np
+from formats import drawing_dialects, svg_dialects
+from fuzz.drawn_faults import Drawn, with_faults
+from fuzz.written_faults import with_file_faults
+from helpers import PATTERNS
+
 from fab.formats.fold_reader import read_fold
 from fab.formats.fold_writer import fold_bytes
 from fab.formats.obj import obj_bytes
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
-from formats import drawing_dialects, svg_dialects
-from fuzz.drawn_faults import Drawn, with_faults
-from fuzz.written_faults import with_file_faults
-from helpers import PATTERNS
 from solver import Miura
 
 __all__ = ["KINDS", "fuzzed"]

@@ -3,7 +3,6 @@
 import time
 
 import pytest
-
 from fuzz.run import tried
 from fuzz.seeds import KINDS
 

@@ -7,7 +7,6 @@ import re
 from collections.abc import Callable
 
 import numpy as np
-
 from fuzz.drawn_faults import EXTREMES
 
 __all__ = ["with_file_faults"]
