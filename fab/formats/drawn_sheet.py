@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
-from fab.formats.drawn_border import with_border
+from fab.formats.drawn_border import page_frame, with_border
 from fab.formats.lines import Faces, Lines, Repair, place_of, places_of
 from fab.formats.planar_lines import PlanarLines
 from fab.formats.read_options import ReadOptions
@@ -53,6 +53,18 @@ def drawn_sheet(
     kept_as = np.arange(len(lines.planar))
     closed, regions, solid = _solids(lines)
     findings = []
+    outside = _outside(lines, closed, regions, solid)
+    frame = page_frame(lines, closed, regions, outside)
+    if frame.any():
+        rows = np.flatnonzero(frame)
+        text = (
+            f"{lines.named(rows)} around the sheet without a crease between them and it: taken for "
+            "the frame of a page and left out."
+        )
+        repairs.append(Repair("page-frame", Severity.WARNING, text, rows[:0]))
+        kept_as[lines.planar[frame]] = -1
+        lines = lines.part(~frame)
+        closed, regions, solid = _solids(lines)
     if not solid.any():
         raise InvalidFile(
             f"{lines.path}: its edges enclose no face. Draw the outline of the sheet, or give "
@@ -150,7 +162,7 @@ def _without_inner_borders(
         ("border-shared", inner[twice], "borders of two pieces in one place are taken"),
     ):
         if len(rows):
-            text = f"{lines.named(rows)}: {what} for a cut (C)."
+            text = f"{lines.named(rows).removesuffix(',')}: {what} for a cut (C)."
             edges, places = lines.planar[rows], lines.middles(rows)
             repairs.append(Repair(code, Severity.WARNING, text, edges, places))
     return replace(lines, letters=letters), repairs

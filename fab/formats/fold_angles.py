@@ -92,7 +92,7 @@ def with_fold_angles(
     if len(wrong):
         wrong = wrong[np.argsort(lines.number[wrong], kind="stable")]
         text = (
-            f"{lines.named(wrong)}: the sign of the fold angle "
+            f"{lines.named(wrong).removesuffix(',')}: the sign of the fold angle "
             f"({angles[wrong[0]]:g}) contradicts the assignment {letters[wrong[0]]}; the "
             "assignment holds."
         )

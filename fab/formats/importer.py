@@ -46,9 +46,10 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     for the first repair where `options.strict`. Codes of the findings, beside those of the reader:
     "unit-unknown", "ends-joined", "ends-extended", "lines-split", "lines-bent", "duplicate-line",
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
-    "border-inside", "border-shared", "line-outside", "island-joined", "fold-angle-missing",
-    "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs, "runs-joined", "hole",
-    "crease-dangling", "letters-assignable", "letters-assigned", "letters-contradict".
+    "border-inside", "border-shared", "page-frame", "line-outside", "island-joined",
+    "fold-angle-missing", "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs,
+    "runs-joined", "hole", "crease-dangling", "letters-assignable", "letters-assigned",
+    "letters-contradict".
     """
     options = ReadOptions() if options is None else options
     findings = list(soup.findings)
@@ -106,6 +107,10 @@ def imported_lines(
 ) -> tuple[DrawnSheet, PlanarLines]:
     """The sheet of drawn lines, and the planar graph that it was found in."""
     named = drawn.named
+    if not len(drawn.coords):
+        raise InvalidFile(
+            f"{named.path}: no line has a length. Draw the creases and the border as lines."
+        )
     element = named.number if named.element is None else named.element
     repairs: tuple[Repair, ...] = ()
     if options.border == "hull" and not (named.letters == "B").any():

@@ -23,7 +23,8 @@ _CRUMB_REL = 1e-5
 _SMOOTH = np.cos(np.radians(30.0))
 # Ends that are joined may be so many tolerances apart; with more pairs than this they are crowded.
 _SPREAD, _CROWD = 1.5, 4.0
-_HALVINGS = 20
+# Of the diagonal: less is no tolerance, as files with faces are read with 1e-8.
+_LEAST_REL = 2e-7
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,8 @@ def tolerance_of(coords: FloatArray, element: IntArray, merge_mm: float | None) 
                 f"--merge-mm {merge_mm:g}: must be under half the drawing's diagonal, "
                 f"{size / 2:.6g} mm."
             )
-        return Tolerance(merge_mm, _reach(merge_mm, length, smooth), "given by --merge-mm")
+        reach = np.maximum(_reach(merge_mm, length, smooth), _LEAST_REL * size)
+        return Tolerance(merge_mm, reach, "given by --merge-mm")
     run = np.concatenate([[0], np.cumsum(~smooth)])[: len(length)]
     lengths = np.bincount(run, length)
     lengths = lengths[lengths > _CRUMB_REL * size]
@@ -67,13 +69,12 @@ def tolerance_of(coords: FloatArray, element: IntArray, merge_mm: float | None) 
         tolerance = _LENGTH_REL * shortest
         reason = f"a third of the shortest line, {shortest:.4g} mm"
     reach = _reach(tolerance, length, smooth)
-    for _ in range(_HALVINGS):
-        if _compact(coords, reach, tolerance):
-            break
-        tolerance /= 2
+    least = _LEAST_REL * size
+    while tolerance > least and not _compact(coords, reach, tolerance):
+        tolerance = max(tolerance / 2, least)
         reason = "halved until ends that are drawn apart stay apart"
         reach = _reach(tolerance, length, smooth)
-    return Tolerance(tolerance, reach, reason)
+    return Tolerance(tolerance, np.maximum(reach, least), reason)
 
 
 def _smooth_joints(coords: FloatArray, element: IntArray, length: FloatArray) -> BoolArray:

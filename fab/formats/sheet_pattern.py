@@ -159,7 +159,8 @@ def _with_borders(
                 f"{lines.path}: {lines.name(row)}, near {lines.place(row)}, is a border (B) with "
                 "faces on both sides. Make it a crease or a cut (C), or give --inner-border cut."
             )
-        text = f"{lines.named(inside)}: a border with faces on both sides is taken for a cut (C)."
+        names = lines.named(inside).removesuffix(",")
+        text = f"{names}: a border with faces on both sides is taken for a cut (C)."
         findings.append(_about("border-inside", Severity.WARNING, text, lines, inside))
     letters = np.where(alone, "B", np.where(lines.letters == "B", "C", lines.letters))
     return replace(lines, letters=letters), findings

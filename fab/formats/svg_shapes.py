@@ -136,10 +136,14 @@ def _rectangle(attributes: Mapping[str, str], place: Place) -> Drawn:
 def _arc(
     middle: Point, across: Point, up: Point, begin: float, end: float, place: Place
 ) -> list[Point]:
-    """Points on the page of middle + across cos t + up sin t, t from begin to end."""
+    """Points on the page of middle + across cos t + up sin t, t from begin to end.
+
+    Numbers beyond the range of floats give points that are not finite, which `read_svg` refuses.
+    """
     a, b, c, d, e, f = place.matrix
     linear = np.array([[a, c], [b, d]])
-    frame = linear @ np.array([across, up]).T
+    with np.errstate(over="ignore", invalid="ignore"):
+        frame = linear @ np.array([across, up]).T
     radius = float(np.linalg.norm(frame, 2)) if np.isfinite(frame).all() else math.inf
     if not math.isfinite(radius) or not radius > 0:
         count = 1
@@ -148,8 +152,9 @@ def _arc(
         count = math.ceil(abs(end - begin) / (2 * half)) if half > 0 else _MOST_CHORDS
     count = min(max(count, 1 if abs(end - begin) < math.pi else 3), _MOST_CHORDS)
     t = np.linspace(begin, end, count + 1)
-    centre = linear @ np.array(middle) + [e, f]
-    points = np.column_stack([np.cos(t), np.sin(t)]) @ frame.T + centre
+    with np.errstate(over="ignore", invalid="ignore"):
+        centre = linear @ np.array(middle) + [e, f]
+        points = np.column_stack([np.cos(t), np.sin(t)]) @ frame.T + centre
     return [(x, y) for x, y in points.tolist()]
 
 

@@ -51,6 +51,13 @@ def unfolded(
     first, second = order[same], order[same + 1]
     hinge = ~np.isin(keys[first], barred)
     first, second = first[hinge], second[hinge]
+    spans = coords[corners[first]] - coords[corners[follow[first]]]
+    if not (norm(spans) > _CLOSED_REL * size).all():
+        k = first[np.argmin(norm(spans))]
+        raise InvalidFile(
+            f"{path}: the edge ({corners[k]}, {corners[follow[k]]}) between two faces has no "
+            "length in the folded form. Merge both vertices."
+        )
     face = np.repeat(np.arange(count), np.diff(offsets))
     placed = _placed(local, corners, offsets, follow, face, first, second)
     placed = _side_by_side(placed, face, labels(face[np.column_stack([first, second])], count))

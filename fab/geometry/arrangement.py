@@ -26,8 +26,10 @@ __all__ = ["Arrangement", "arrangement"]
 # Points nearer than this share of the drawing, or of their coordinates, are one in any case.
 _ROUNDING_REL, _ROUNDING_ABS = 1e-12, 1e-14
 # Over the drawing: what is off a line by less was written with few digits. Vertices are not moved
-# for it, and needles that are narrower are none.
-_DIGITS_REL = 3e-6
+# for it, and needles that are narrower are none. No more than a share of what ends reach: two ends
+# of a narrow triangle that are too far apart to be one would else be put onto each other's sides
+# in turn.
+_DIGITS_REL, _DIGITS_OF_REACH = 3e-6, 0.1
 # Sines: lines of a joint that meet another line at less than this are needles; ends of lines that
 # begin on that line, and part from it by less, are on it.
 _NEEDLE, _DOUBLE = 0.1, 0.02
@@ -39,8 +41,17 @@ _MOST_ROUNDS = 40
 # More crossings, or lines beside each other's boxes, do not fit into memory and time.
 _MOST_CROSSINGS = 500_000
 _MOST_NEAR = 50_000_000
+# Ends that are on other lines, at most: so many, and so many more for each edge.
+_MOST_BESIDE, _BESIDE_EACH = 300_000, 20
 # Lines of which the crossings of all are estimated.
 _SAMPLE = 200
+# Pairs of edges that are looked at together.
+_PAIRS = 2_000_000
+# Later rounds change little; lines that grow to so many times their pieces of the first one go in
+# circles.
+_MOST_GROWTH = 20
+# Points with more neighbours than this are joined to the nearest ones first.
+_CROWD, _NEAREST = 40, 8
 
 
 @dataclass(frozen=True)
@@ -94,7 +105,7 @@ class Arrangement:
         line, vertex = np.repeat(line[several], 2), self.edges_vertices[edge[several]].ravel()
         inner = (self.ends_vertex[line] != vertex[:, None]).all(axis=1)
         count = max(len(self.vertices_coords), 1)
-        line, vertex = np.divmod(np.unique(line[inner] * count + vertex[inner]), count)
+        line, vertex = np.divmod(_distinct(line[inner] * count + vertex[inner]), count)
         return vertex, line
 
     def crossings(self) -> tuple[IntArray, IntArray]:
@@ -168,14 +179,16 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
     settled = False
     _require_few_crossings(lines_coords)
     web, _ = _merged(web)
+    most = 0
     for _ in range(_MOST_ROUNDS):
         web, snapped = _snapped(web, digits, rounding)
         web, joined = _merged(web)
         web, crossed = _crossed(web)
         web, met = _merged(web)
         settled = not (snapped or joined or crossed or met)
-        if settled:
+        if settled or 0 < most < len(web.ends):
             break
+        most = most or _MOST_GROWTH * len(web.ends)
     return _assembled(web, lines_coords, turned, place, settled)
 
 
@@ -186,15 +199,20 @@ def _require_few_crossings(lines_coords: FloatArray) -> None:
         return
     shapes = shapely.linestrings(lines_coords)
     tree = shapely.STRtree(shapes)
-    sample = shapes[:: -(-count // _SAMPLE)]
-    near = tree.query(sample)
-    crossing = int(shapely.crosses(sample[near[0]], shapes[near[1]]).sum())
+    step = -(-count // _SAMPLE)
+    sample = shapes[::step]
     share = count / len(sample) / 2
-    if crossing * share > _MOST_CROSSINGS or near.shape[1] * share > _MOST_NEAR:
+    row, other = tree.query(sample)
+    near = len(row) * share
+    crossing = near
+    if near <= _MOST_NEAR:
+        row = row * step
+        crossing = share * int(_over(lines_coords[row], lines_coords[other]).sum())
+    if crossing > _MOST_CROSSINGS:
         raise InvalidState(
             "lines",
-            f"{count} lines have about {crossing * share:.2g} crossings and "
-            f"{near.shape[1] * share:.2g} pairs near to each other, over the bounds of "
+            f"{count} lines have about {crossing:.2g} crossings and "
+            f"{near:.2g} pairs near to each other, over the bounds of "
             f"{_MOST_CROSSINGS:g} and {_MOST_NEAR:g}",
             "Draw creases from crossing to crossing, or leave out hatchings.",
         )
@@ -222,16 +240,16 @@ def _sorted(flat: FloatArray, reach: FloatArray) -> tuple[_Web, BoolArray, IntAr
 
 def _merged(web: _Web) -> tuple[_Web, bool]:
     """Vertices within reach of each other become that of most lines; whether there were any."""
-    alive = np.unique(np.concatenate([web.ends.ravel(), web.lines_ends.ravel()]))
+    alive = _marked(len(web.points), web.ends, web.lines_ends)
     points, reach = web.points[alive], web.reach[alive]
-    pairs = cKDTree(points).query_pairs(float(reach.max()), output_type="ndarray")
+    pairs = _near_pairs(points, float(reach.max()))
     apart = np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T)
     pairs = pairs[apart <= reach[pairs].min(axis=1)]
     if not len(pairs):
         return web, False
     group = labels(pairs, len(alive))
     lines = len(web.lines_ends)
-    keys = np.unique(web.ends.T.ravel() * lines + np.tile(web.line, 2))
+    keys = _distinct(web.ends.T.ravel() * lines + np.tile(web.line, 2))
     weight = np.bincount(keys // lines, minlength=len(web.points))[alive]
     order = np.lexsort((points[:, 1], points[:, 0], -weight, group))
     _, first = np.unique(group[order], return_index=True)
@@ -244,33 +262,39 @@ def _merged(web: _Web) -> tuple[_Web, bool]:
     ), True
 
 
+def _near_pairs(points: FloatArray, reach: float) -> IntArray:
+    """Pairs of points within reach; of crowded ones those with the nearest others."""
+    tree = cKDTree(points)
+    if tree.count_neighbors(tree, reach) <= _CROWD * len(points):
+        return np.asarray(tree.query_pairs(reach, output_type="ndarray"), np.int64)
+    apart, other = tree.query(points, _NEAREST + 1, distance_upper_bound=reach)
+    row, column = np.nonzero(np.isfinite(apart))
+    pairs = np.column_stack([row, other[row, column]])
+    return np.asarray(np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0))
+
+
 def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     """Edges split at vertices that are on them, some of which are moved there; whether any are."""
     if not len(web.ends):
         return web, False
     edges, _ = web.edges()
-    alive = np.unique(edges)
-    tree = shapely.STRtree(shapely.linestrings(web.points[edges]))
-    at = shapely.points(web.points[alive])
-    vertex, edge = tree.query(at, predicate="dwithin", distance=web.reach[alive])
-    vertex = alive[vertex]
-    free = (edges[edge] != vertex[:, None]).all(axis=1)
-    vertex, edge = vertex[free], edge[free]
+    vertex, edge = _beside(web, edges, _marked(len(web.points), edges))
     start, span = web.points[edges[edge, 0]], np.diff(web.points[edges[edge]], axis=1)[:, 0]
     length = np.hypot(*span.T)
     arm = web.points[vertex] - start
     share = (arm * span).sum(axis=1) / length**2
     off = np.abs(_cross(span, arm)) / length
     within = (share > 0) & (share < 1) & (off <= web.reach[vertex])
+    far = off > np.clip(_DIGITS_OF_REACH * web.reach[vertex], rounding, digits)
     rows = np.flatnonzero(within)
-    rows = rows[~_needles(web, edges, vertex[rows], edge[rows], off[rows], digits)]
+    rows = rows[~_needles(web, edges, vertex[rows], edge[rows], far[rows])]
     if not len(rows):
         return web, False
     order = rows[np.lexsort((edge[rows], off[rows], vertex[rows]))]
     nearest = np.ones(len(order), bool)
     nearest[1:] = vertex[order][1:] != vertex[order][:-1]
     own = order[nearest]
-    moving = own[(off[own] > digits) & (web.moves[vertex[own]] < _MOST_MOVES)]
+    moving = own[far[own] & (web.moves[vertex[own]] < _MOST_MOVES)]
     points, moves = web.points.copy(), web.moves.copy()
     points[vertex[moving]] = _places(web, edges, vertex[moving], edge[moving])
     moves[vertex[moving]] += 1
@@ -281,17 +305,46 @@ def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     return _split(web, edge[splits], vertex[splits]), True
 
 
+def _beside(web: _Web, edges: IntArray, vertices: IntArray) -> tuple[IntArray, IntArray]:
+    """Vertices and the edges within their reach that do not end in them, a row for each pair."""
+    tree = shapely.STRtree(shapely.linestrings(web.points[edges]))
+    most = _MOST_BESIDE + _BESIDE_EACH * len(edges)
+    found = [np.empty((2, 0), np.int64)]
+    begin, rows, total = 0, 1000, 0
+    while begin < len(vertices):
+        some = vertices[begin : begin + rows]
+        at = shapely.points(web.points[some])
+        row, edge = tree.query(at, predicate="dwithin", distance=web.reach[some])
+        per_row = len(row) / rows
+        begin += rows
+        rows = int(np.clip(_PAIRS / max(per_row, 1.0), 10, 2 * rows))
+        free = (edges[edge] != some[row][:, None]).all(axis=1)
+        found.append(np.stack([some[row[free]], edge[free]]))
+        total += int(free.sum())
+        if total > most:
+            raise InvalidState(
+                "lines",
+                f"ends and crossings of {len(web.lines_ends)} lines are on other lines more than "
+                f"{most} times",
+                "Draw each crease once.",
+            )
+    vertex, edge = np.concatenate(found, axis=1)
+    return vertex, edge
+
+
 def _needles(
     web: _Web,
     edges: IntArray,
     vertex: IntArray,
     edge: IntArray,
-    off: FloatArray,
-    digits: float,
+    off_it: BoolArray,
 ) -> BoolArray:
-    """Which vertices are near to an edge because their own edges run beside it, shape (n,)."""
+    """Which vertices are near to an edge because their own edges run beside it, shape (n,).
+
+    off_it : which of them are off the edge by more than the digits of the file.
+    """
     out = np.zeros(len(vertex), bool)
-    far = np.flatnonzero(off > digits)
+    far = np.flatnonzero(off_it)
     if not len(far):
         return out
     start = np.concatenate([edges[:, 0], edges[:, 1]])
@@ -348,6 +401,12 @@ def _crossed(web: _Web) -> tuple[_Web, bool]:
     start, span = web.points[edges[first, 0]], np.diff(web.points[edges[first]], axis=1)[:, 0]
     c, d = web.points[edges[second]].swapaxes(0, 1)
     left, right = _cross(c - start, d - c), _cross(span, d - c)
+    meeting = right != 0  # else they are on one line, but for rounding
+    if not meeting.all():
+        first, second = first[meeting], second[meeting]
+        start, span, left, right = start[meeting], span[meeting], left[meeting], right[meeting]
+        if not len(first):
+            return web, False
     crossing = start + (left / right)[:, None] * span
     number = len(web.points) + np.arange(len(first))
     reach = np.minimum(web.reach[edges[first]].max(axis=1), web.reach[edges[second]].max(axis=1))
@@ -365,16 +424,21 @@ def _crossing_pairs(points: FloatArray, edges: IntArray) -> tuple[IntArray, IntA
     ends = points[edges]
     shapes = shapely.linestrings(ends)
     tree = shapely.STRtree(shapes)
-    first, second = tree.query(shapes)
-    once = first < second
-    first, second = first[once], second[once]
-    one, other = edges[first], edges[second]
-    apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
-    first, second = first[apart], second[apart]
-    (a, b), (c, d) = ends[first].swapaxes(0, 1), ends[second].swapaxes(0, 1)
-    over = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
-    over &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
-    return first[over], second[over]
+    found = [np.empty((2, 0), np.int64)]
+    begin, rows = 0, 1000
+    while begin < len(edges):
+        pairs = tree.query(shapes[begin : begin + rows])
+        per_row = pairs.shape[1] / rows
+        pairs[0] += begin
+        begin += rows
+        rows = int(np.clip(_PAIRS / max(per_row, 1.0), 10, 2 * rows))
+        pairs = pairs[:, pairs[0] < pairs[1]]
+        one, other = edges[pairs[0]], edges[pairs[1]]
+        apart = (one[:, :1] != other).all(axis=1) & (one[:, 1:] != other).all(axis=1)
+        pairs = pairs[:, apart]
+        found.append(pairs[:, _over(ends[pairs[0]], ends[pairs[1]])])
+    first, second = np.concatenate(found, axis=1)
+    return first, second
 
 
 def _split(web: _Web, edge: IntArray, vertex: IntArray) -> _Web:
@@ -426,7 +490,7 @@ def _assembled(
     begin = np.sort(begin)
     number = np.empty(len(edges), np.int64)
     number[edge[begin]] = np.arange(len(begin))
-    keys = np.unique(number[edge] * count + line)
+    keys = _distinct(number[edge] * count + line)
     edges_lines = keys % count
     offsets = np.searchsorted(keys // count, np.arange(len(begin) + 1))
     lines_ends = web.lines_ends[place]
@@ -448,6 +512,31 @@ def _assembled(
         new[lines_ends],
         settled,
     )
+
+
+def _marked(count: int, *numbers: IntArray) -> IntArray:
+    """The numbers below `count` that occur, rising."""
+    out = np.zeros(count, bool)
+    for each in numbers:
+        out[each] = True
+    return np.flatnonzero(out)
+
+
+def _distinct(keys: IntArray) -> IntArray:
+    """As `numpy.unique`, whose hash tables are slow for keys that are evenly spaced."""
+    keys = np.sort(keys)
+    new = np.ones(len(keys), bool)
+    new[1:] = keys[1:] != keys[:-1]
+    out: IntArray = keys[new]
+    return out
+
+
+def _over(first: FloatArray, second: FloatArray) -> BoolArray:
+    """Which lines cross the others between the ends of both, shapes (n, 2, 2)."""
+    (a, b), (c, d) = first.swapaxes(0, 1), second.swapaxes(0, 1)
+    out: BoolArray = _cross(b - a, c - a) * _cross(b - a, d - a) < 0
+    out &= _cross(d - c, a - c) * _cross(d - c, b - c) < 0
+    return out
 
 
 def _cross(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -18,6 +18,8 @@ _ALL_PAIRS = 300
 _NEAREST = 12
 # With more corners, bridges are not tried one by one; with more edges, not at all.
 _MOST_TRIED, _MOST_EDGES = 1000, 70_000
+# Of the shortest bridges so many are tried, then so many.
+_TRIED = (1000, 8000)
 
 
 def bridges(
@@ -40,8 +42,7 @@ def bridges(
     pairs = _clear(coords, edges, within, obstacles, _delaunay(corners, coords[corners]))
     found = _least(coords, edges, within, pairs)
     if found is None and len(corners) <= _MOST_TRIED:
-        pairs = _clear(coords, edges, within, obstacles, _candidates(coords, edges))
-        found = _one_by_one(coords, edges, within, pairs)
+        found = _shortest(coords, edges, within, obstacles)
     return None if found is None else used[found]
 
 
@@ -105,6 +106,21 @@ def _delaunay(vertices: IntArray, points: FloatArray) -> IntArray:
         return np.empty((0, 2), np.int64)
     sides = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, 1:], triangles[:, ::2]]), 1)
     return np.asarray(vertices[np.unique(sides, axis=0)], np.int64)
+
+
+def _shortest(
+    coords: FloatArray, edges: IntArray, within: BoolArray, obstacles: IntArray
+) -> IntArray | None:
+    """Of all bridges that may be tried the shortest that suffice; short ones are tried alone."""
+    pairs = _candidates(coords, edges)
+    span = np.diff(coords[pairs], axis=1)[:, 0]
+    pairs = pairs[np.argsort(np.hypot(*span.T), kind="stable")]
+    for count in (*_TRIED, len(pairs)):
+        some = _clear(coords, edges, within, obstacles, pairs[:count])
+        found = _one_by_one(coords, edges, within, some)
+        if found is not None or count >= len(pairs):
+            break
+    return found
 
 
 def _one_by_one(
