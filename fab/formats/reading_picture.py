@@ -25,7 +25,7 @@ _LETTERS = {
     "V": ("#2050d6", "valley", "valleys"),
     "F": ("#d0a000", "facet crease", "facet creases"),
     "U": ("#d030c0", "unassigned", "unassigned"),
-    "J": ("#f08030", "join", "joins"),
+    "J": ("#20a0a8", "join", "joins"),
     "C": ("#20a040", "cut", "cuts"),
     "B": ("#202020", "border", "borders"),
 }
