@@ -181,7 +181,7 @@ def _refuse_gap(lines: Lines, ends: IntArray) -> None:
         raise InvalidFile(
             f"{lines.path}: {lines.name(rows[first])} is a border that joins no other, from "
             f"{place_of(points[first])} to {place_of(points[second])}. Remove it, or make it a "
-            f"crease or a cut (C).{more}"
+            f"crease or a cut (C), as --inner-border cut does.{more}"
         )
     raise InvalidFile(
         f"{lines.path}: the outline is open at {lines.name(rows[first])}: a gap of {gap:.4g} mm "

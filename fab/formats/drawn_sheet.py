@@ -61,7 +61,8 @@ def drawn_sheet(
             f"{lines.named(rows)} around the sheet without a crease between them and it: taken for "
             "the frame of a page and left out."
         )
-        repairs.append(Repair("page-frame", Severity.WARNING, text, rows[:0]))
+        places = lines.middles(rows)
+        repairs.append(Repair("page-frame", Severity.WARNING, text, rows[:0], places))
         kept_as[lines.planar[frame]] = -1
         lines = lines.part(~frame)
         closed, regions, solid = _solids(lines)

@@ -380,7 +380,7 @@ def test_borders_that_end_within_the_sheet_are_cuts_on_request():
     """A slit from the rim, one that lies free and one that ends on a crease."""
     slits = [("B", 20, 0, 20, 40), ("B", 60, 60, 80, 60), ("B", 50, 20, 70, 20)]
     rows = [*SQUARE, ("M", 50, 0, 50, 100), *slits]
-    with pytest.raises(InvalidFile, match=r"the outline is open .* --inner-border cut"):
+    with pytest.raises(InvalidFile, match=r"a border that joins no other, .* --inner-border cut"):
         imported(rows)
     pattern, findings = imported(rows, ReadOptions(inner_border="cut"))
     assert pattern.counts() == {"M": 2, "V": 0, "F": 0, "B": 7, "C": 3}
