@@ -240,6 +240,11 @@ def test_parts_in_holes_are_pieces_of_their_own():
     assert areas.sum() == pytest.approx(90**2 - 50**2 + 30**2)
     assert len(np.unique(pattern.faces_piece)) == 2
     pattern, findings = imported([*square(0, 90), *square(20, 70), ("M", 30, 30, 60, 60)])
+    # what has its creases in a hole alone is the page around a sheet
+    assert "page-frame" in findings
+    assert pattern.counts() == {"M": 1, "V": 0, "F": 0, "B": 4}
+    rows = [*square(0, 90), *square(20, 70), ("M", 30, 30, 60, 60), ("V", 0, 10, 90, 10)]
+    pattern, findings = imported(rows)
     assert "line-outside" in findings
     assert pattern.counts()["M"] == 0
 
@@ -257,6 +262,7 @@ def test_islands_of_any_number_are_joined(seed, count):
             corner = middle + radius * np.column_stack([np.cos(turn), np.sin(turn)])
             letter = random.choice(["M", "C", "B"])
             rows += [(letter, *corner[k], *corner[(k + 1) % 3]) for k in range(3)]
+    rows += [("V", 0, 0, 1.5, 1.5)]  # with a crease of its own the square is no frame of a page
     pattern, findings = imported(rows)
     assert "island-joined" in findings
     drawn = sum(np.hypot(row[3] - row[1], row[4] - row[2]) for row in rows)
