@@ -283,7 +283,7 @@ def _ended(
         begin[held] = np.sign(begin[held]) * goal_rad
         folded = np.where(np.abs(begin) > np.pi - _STRIDE_RAD / 2, np.copysign(np.pi, begin), begin)
         if goal_rad == np.pi and _gap(creases, folded) <= _EXACT_RAD:
-            return folded  # flat, where Newton's method would be slow
+            return np.asarray(folded)  # flat, where Newton's method would be slow
         found = _closed(creases, begin, held)
         if _gap(creases, found) > _CLOSED_RAD or not creases.allow(found):
             return None
