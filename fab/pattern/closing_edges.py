@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern, face_normals
-from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
+from fab.pattern.kinematics import fold_by_angles, unknown_angles
+from fab.pattern.open_cuts import opened
+from solver.graphs import labels
+from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
-__all__ = ["closing_edges"]
+__all__ = ["closing_edges", "closing_edges_by_angles"]
 
 # Folded ends nearer than this share of the sheet are one point.
 _CLOSED_REL = 1e-6
@@ -19,8 +24,8 @@ _LAYERED_DEG = 179.0
 def closing_edges(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
     """Pairs of boundary edges that are one edge in the folded form, (n, 2), and their fold angles.
 
-    Edges that lie on each other when flat too are a slit, and layers folded flat on each other are
-    no seam.
+    Edges that lie on each other when flat too are a slit. Layers folded flat on each other are no
+    seam, nor are edges that meet because all creases between their faces are folded flat.
     """
     folded = pattern.folded_coords
     border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
@@ -46,5 +51,42 @@ def closing_edges(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
     u = unit(np.diff(folded[pattern.edges_vertices[edges[:, 0]]], axis=1)[:, 0])
     angle = np.degrees(np.arctan2(dot(cross(n2, n1), u), dot(n1, n2)))
     angle[np.abs(angle) < FLAT_ANGLE_DEG] = 0.0
-    real = np.abs(angle) < _LAYERED_DEG
+    real = (np.abs(angle) < _LAYERED_DEG) & ~_joined_flat(pattern, pattern.edges_faces[edges, 0])
     return edges[real], angle[real]
+
+
+def closing_edges_by_angles(pattern: CreasePattern) -> tuple[IntArray, FloatArray]:
+    """As `closing_edges`, by the fold angles of a pattern whose folded form is not known.
+
+    There are none where an angle is not known, or where the angles do not close.
+    """
+    none = np.empty((0, 2), np.int64), np.empty(0)
+    if _flat(pattern).all():
+        return none
+    whole = opened(pattern)
+    letters = whole.pattern.edges_assignment
+    if (unknown_angles(whole.pattern) & (letters != "C")).any():
+        return none
+    shape = fold_by_angles(whole.pattern)
+    size = float(norm(np.ptp(pattern.vertices_coords, axis=0)))
+    if shape.gap_mm > _CLOSED_REL * size or shape.gap_rad > _CLOSED_REL:
+        return none
+    edges, angle = closing_edges(replace(whole.pattern, folded_coords=shape.folded_coords))
+    edges = whole.edges_source[edges]
+    outer = (pattern.edges_faces[edges, 1] < 0).all(axis=1)
+    return edges[outer], angle[outer]
+
+
+def _joined_flat(pattern: CreasePattern, pairs: IntArray) -> BoolArray:
+    """Which pairs of faces, shape (n, 2), flat creases and flat folds alone lead between."""
+    flat = pattern.edges_joining & _flat(pattern)
+    part = labels(pattern.edges_faces[flat], pattern.face_count)
+    out: BoolArray = part[pairs[:, 0]] == part[pairs[:, 1]]
+    return out
+
+
+def _flat(pattern: CreasePattern) -> BoolArray:
+    """Which edges are flat, or folded flat, shape (ne,)."""
+    angle = np.abs(pattern.edges_foldAngle)
+    out: BoolArray = (angle < FLAT_ANGLE_DEG) | (angle >= _LAYERED_DEG)
+    return out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -10,20 +11,38 @@ from numpy.typing import NDArray
 
 from fab.errors import Finding, Severity, counted
 from fab.geometry.rings import ring_areas
-from fab.sheets.crease_cuts import require_kerf
+from fab.sheets.crease_cuts import SHORTEST_CUT_MM, require_kerf
+from fab.sheets.narrow_gaps import Gaps, narrow_gaps
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["compensated"]
+__all__ = ["Compensated", "compensated"]
 
 # Mitres reach at most this many half kerfs from their corner; sharper corners are cut off straight.
 _MITRE_LIMIT = 5.0
+# Moved rings are this share of the distance away at least: shapely simplifies by 1 % of it.
+_MOVED_REL = 0.95
+_ROUNDING_MM = 1e-9
 
 Shapes = NDArray[np.object_]
 
 
-def compensated(
-    outlines: Sequence[FloatArray], kerf_mm: float
-) -> tuple[tuple[FloatArray, ...], list[Finding]]:
+@dataclass(frozen=True)
+class Compensated:
+    """Outlines as the beam follows them.
+
+    Attributes
+    ----------
+    rings : closed polylines, each of shape (m, 2). None crosses or touches itself, and each runs
+        the same way around as before.
+    gaps : centre lines of what is narrower than the kerf, shape (n, 2, 2), and pierces.
+    """
+
+    rings: tuple[FloatArray, ...]
+    gaps: FloatArray
+    findings: tuple[Finding, ...]
+
+
+def compensated(outlines: Sequence[FloatArray], kerf_mm: float) -> Compensated:
     """Outlines moved by half the kerf into what is thrown away, with mitred corners.
 
     Parameters
@@ -31,28 +50,29 @@ def compensated(
     outlines : closed polylines, each of shape (m, 2), material on their left: counterclockwise
         rings are outer ones and grow, clockwise rings are holes and shrink.
 
-    No ring that comes out crosses or touches itself, and each runs the same way around as before.
     Findings name what a beam cannot cut as drawn: a ring that crosses itself is returned as it is;
-    a hole narrower than the kerf is left out; a notch narrower than the kerf is closed, and a hole
-    is split at such a waist; so are neighbours that come to cross each other. Corners and concave
-    bends are exact but for shapely's simplification, up to 1 % of the distance.
+    a hole, a notch or a waist narrower than the kerf, and the rest of a wedge, are cut once, along
+    their centre lines, and a hole no larger than the kerf is a pierce; neighbours come to cross
+    each other. Corners and concave bends are exact but for shapely's simplification, up to 1 % of
+    the distance.
 
     Raises `InvalidValue` for a kerf that is negative or wider than 10 mm.
 
     >>> square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
-    >>> (ring,), findings = compensated([square], 0.2)
-    >>> np.ptp(ring, axis=0).round(6).tolist(), findings
-    ([9.2, 9.2], [])
+    >>> moved = compensated([square], 0.2)
+    >>> np.ptp(moved.rings[0], axis=0).round(6).tolist(), moved.findings
+    ([9.2, 9.2], ())
     """
     require_kerf(kerf_mm)
     if kerf_mm == 0 or not outlines:
-        return tuple(outlines), []
+        return Compensated(tuple(outlines), np.empty((0, 2, 2)), ())
     shapes = _polygons(outlines)
     plain = shapely.is_valid(shapes)
     outer = ring_areas(np.concatenate(outlines), _offsets(outlines)) > 0
     distance = np.where(outer, kerf_mm / 2, -kerf_mm / 2)
     moved = shapely.buffer(shapes, distance, join_style="mitre", mitre_limit=_MITRE_LIMIT)
     moved[~plain] = shapes[~plain]
+    moved[plain] = _without_artefacts(moved[plain], shapes[plain], kerf_mm)
     lines, number, turned = _rings_of(moved, outer)
     corners, of_line = shapely.get_coordinates(lines, return_index=True)
     rings = np.split(corners, np.flatnonzero(np.diff(of_line)) + 1) if len(lines) else []
@@ -60,14 +80,15 @@ def compensated(
     for ring, of, back in zip(rings, number.tolist(), turned.tolist(), strict=True):
         whole = ring[:-1][::-1] if back else ring[:-1]
         kept.append(whole if plain[of] else outlines[of])
-    count = np.bincount(number, minlength=len(outlines))
-    findings = [
+    vanished = plain & shapely.is_empty(moved)
+    gaps = narrow_gaps(shapes, moved, outer, kerf_mm, plain)
+    findings = (
         *_crossing_findings(outlines, np.flatnonzero(~plain)),
-        *_vanished_findings(outlines, np.flatnonzero(plain & (count == 0)), kerf_mm),
-        *_closed_findings(outlines, np.flatnonzero(plain & (count > 1)), kerf_mm),
+        *_vanished_findings(outlines, gaps, vanished, kerf_mm),
+        *_closed_findings(outlines, gaps, ~vanished, kerf_mm),
         *_meeting_findings(lines, kerf_mm),
-    ]
-    return tuple(kept), findings
+    )
+    return Compensated(tuple(kept), gaps.segments, findings)
 
 
 def _offsets(outlines: Sequence[FloatArray]) -> IntArray:
@@ -80,6 +101,28 @@ def _polygons(outlines: Sequence[FloatArray]) -> Shapes:
     index = np.repeat(np.arange(len(outlines)), [len(outline) for outline in outlines])
     rings = shapely.linearrings(np.concatenate(outlines), indices=index)
     out: Shapes = shapely.polygons(rings)
+    return out
+
+
+def _without_artefacts(moved: Shapes, shapes: Shapes, kerf_mm: float) -> Shapes:
+    """Moved figures without rings nearer to the outline than they were moved.
+
+    GEOS leaves small ones where mitres meet in a narrow notch.
+    """
+    parts, of_part = shapely.get_parts(moved, return_index=True)
+    full = np.flatnonzero(~shapely.is_empty(parts))
+    rings, of_ring = shapely.get_rings(parts[full], return_index=True)
+    of = of_part[full][of_ring]
+    away = shapely.distance(rings, shapely.boundary(shapes[of]))
+    far = away >= _MOVED_REL * kerf_mm / 2 - _ROUNDING_MM
+    out = moved.copy()
+    for number in np.unique(of[~far]).tolist():
+        kept = []
+        for part in np.flatnonzero(of_part[full] == number).tolist():
+            own = np.flatnonzero(of_ring == part)
+            if far[own[0]]:
+                kept.append(shapely.Polygon(rings[own[0]], list(rings[own[1:][far[own[1:]]]])))
+        out[number] = shapely.union_all(kept) if kept else shapely.Polygon()
     return out
 
 
@@ -113,31 +156,50 @@ def _crossing_findings(outlines: Sequence[FloatArray], numbers: IntArray) -> lis
 
 
 def _vanished_findings(
-    outlines: Sequence[FloatArray], numbers: IntArray, kerf_mm: float
+    outlines: Sequence[FloatArray], gaps: Gaps, vanished: BoolArray, kerf_mm: float
 ) -> list[Finding]:
-    """Holes that are left out."""
+    """Holes that are cut along their centre lines, or pierced."""
+    numbers = np.flatnonzero(vanished)
     if not len(numbers):
         return []
-    holes, them = ("is a hole", "it") if len(numbers) == 1 else ("are holes", "them")
+    are, them = ("is a hole", "it") if len(numbers) == 1 else ("are holes", "them")
     text = (
-        f"{_named(outlines, numbers)} {holes} nowhere wider than the kerf ({kerf_mm:g} mm) and "
-        f"{holes.split()[0]} left out. Enlarge {them}."
+        f"{_named(outlines, numbers)} {are} nowhere wider than the kerf ({kerf_mm:g} mm) and "
+        f"{are.split()[0]} cut as {_cut_as(gaps, vanished)}. Enlarge {them}, or take a finer beam."
     )
     return [Finding("hole-narrower-than-kerf", Severity.WARNING, text)]
 
 
 def _closed_findings(
-    outlines: Sequence[FloatArray], numbers: IntArray, kerf_mm: float
+    outlines: Sequence[FloatArray], gaps: Gaps, there: BoolArray, kerf_mm: float
 ) -> list[Finding]:
-    """Outlines that lose a notch or a waist."""
-    if not len(numbers):
+    """Outlines with a notch or a waist that is cut along its centre line."""
+    of = gaps.owner[there[gaps.owner]]
+    if not len(of):
         return []
+    numbers = np.unique(of)
     have = "has" if len(numbers) == 1 else "have"
     text = (
         f"{_named(outlines, numbers)} {have} a notch or a waist narrower than the kerf "
-        f"({kerf_mm:g} mm), which is not cut. Enlarge the sheet, or take a finer beam."
+        f"({kerf_mm:g} mm), cut as {_cut_as(gaps, there)}. Enlarge the sheet, or take a finer beam."
     )
     return [Finding("gap-narrower-than-kerf", Severity.WARNING, text)]
+
+
+def _cut_as(gaps: Gaps, outlines: BoolArray) -> str:
+    """How many centre lines, of which length, and pierces some of the outlines have."""
+    own = outlines[gaps.owner]
+    sides = gaps.segments[own]
+    length = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
+    line = length > SHORTEST_CUT_MM * (1 + 1e-9)
+    pierces = int((~line).sum())
+    lines = len(np.unique(gaps.line[own][line]))
+    parts = []
+    if lines:
+        parts.append(f"{counted(lines, 'centre line')} of {length[line].sum():.4g} mm")
+    if pierces:
+        parts.append(counted(pierces, "pierce"))
+    return " and ".join(parts)
 
 
 def _named(outlines: Sequence[FloatArray], numbers: IntArray) -> str:

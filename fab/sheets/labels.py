@@ -137,22 +137,24 @@ def highest(
     c, s = np.cos(slant), np.sin(slant)
     box_width, box_height = text_box(text)
     low, top = hang - box_height / 2, hang + box_height / 2
-    ring = (shapely.get_coordinates(room.exterior) - anchor) @ np.array([[c, -s], [s, c]])
-    ring[:, 0] /= 0.5 * box_width
+    lines, of = shapely.get_coordinates(shapely.get_rings(room), return_index=True)
+    turned = (lines - anchor) @ np.array([[c, -s], [s, c]])
+    turned[:, 0] /= 0.5 * box_width
+    sides = np.stack([turned[:-1], turned[1:]], axis=1)[of[:-1] == of[1:]]
     # a text of height h is the box |x| <= h, low h <= y <= top h: along a side of the room the
     # least h that reaches a point is at an end of the side or where two of these are equal
     normals = np.array([[1, 0], [0, 1], [low, 1], [low, -1], [top, 1], [top, -1]])
-    start, end = ring[:-1] @ normals.T, ring[1:] @ normals.T
+    start, end = sides[:, 0] @ normals.T, sides[:, 1] @ normals.T
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.nan_to_num(start / (start - end), nan=0.0, posinf=0.0, neginf=0.0)
     share = np.clip(np.column_stack([share, np.zeros(len(start)), np.ones(len(start))]), 0, 1)
-    points = ring[:-1, None] + share[..., None] * np.diff(ring, axis=0)[:, None]
+    points = sides[:, :1] + share[..., None] * (sides[:, 1:] - sides[:, :1])
     x, y = np.abs(points[..., 0]), points[..., 1]
     reached = np.maximum(x, y / top)
     if low < 0:
         return float(np.maximum(reached, y / low).min())
     # the text is off its anchor, and passes what is below it
-    met = (y > _ON_SIDE_REL * np.abs(ring).max()) & (low * x <= y * (1 + _ON_SIDE_REL))
+    met = (y > _ON_SIDE_REL * np.abs(turned).max()) & (low * x <= y * (1 + _ON_SIDE_REL))
     return float(reached[met].min(initial=np.inf))
 
 

@@ -98,12 +98,12 @@ def cut_piece(
         )
     creases, layers = _cut_creases(pattern, lines, holes, settings.margin_mm, kerf_mm)
     borders = outlines_of(pattern)
-    rings, moved = compensated(borders.rings, kerf_mm)
-    relief, shrunk = compensated(holes.rings, kerf_mm)
-    if relief:
-        layers.append(Layer(Operation.RELIEF, outlines=relief))
-    layers.append(Layer(Operation.CUT, borders.slits, rings))
-    return CutPiece(joined(layers), creases, (*findings, *moved, *shrunk))
+    moved, relief = compensated(borders.rings, kerf_mm), compensated(holes.rings, kerf_mm)
+    if holes.rings:
+        layers.append(Layer(Operation.RELIEF, relief.gaps, relief.rings))
+    slits = np.concatenate([borders.slits, moved.gaps])
+    layers.append(Layer(Operation.CUT, slits, moved.rings))
+    return CutPiece(joined(layers), creases, (*findings, *moved.findings, *relief.findings))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,8 @@ __all__ = ["READABLE_MM", "SeamNumbers", "piece_labels"]
 READABLE_MM = 1.0
 # Up to this many of the largest faces are tried for the name of a piece.
 _MOST_TRIED = 24
+# Kept free on both sides of lines that end within a face.
+_BESIDE_MM = 0.1
 # Height of the name, in heights of the numbers.
 _NAME_HEIGHT = 2.0
 
@@ -51,10 +53,7 @@ def piece_labels(
     face_count : its first faces, on which the name may be; those after them are tabs.
     label_mm : greatest height of the numbers; the name may be twice as high.
     """
-    rooms = [
-        shapely.polygons(pattern.vertices_coords[pattern.faces_vertices[i:j]])
-        for i, j in zip(pattern.faces_offsets[:-1], pattern.faces_offsets[1:], strict=True)
-    ]
+    rooms = _rooms(pattern)
     widest, middle, slant = _place_for(name, rooms[:face_count], seams.faces)
     direction = seams.lines[:, 1] - seams.lines[:, 0]
     height = np.full(1 + len(seams.numbers), label_mm)
@@ -70,6 +69,23 @@ def piece_labels(
         hang,
     )
     return fitted(places, READABLE_MM)
+
+
+def _rooms(pattern: CreasePattern) -> list[shapely.Polygon]:
+    """The faces of a pattern, without what is beside the lines that end within them."""
+    rooms = [
+        shapely.polygons(pattern.vertices_coords[pattern.faces_vertices[i:j]])
+        for i, j in zip(pattern.faces_offsets[:-1], pattern.faces_offsets[1:], strict=True)
+    ]
+    first, second = pattern.edges_faces.T
+    within = np.flatnonzero(first == second)
+    for face in np.unique(first[within]).tolist():
+        ends = pattern.edges_vertices[within[first[within] == face]]
+        lines = shapely.multilinestrings([shapely.linestrings(pattern.vertices_coords[ends])])
+        free = shapely.get_parts(shapely.difference(rooms[face], lines[0].buffer(_BESIDE_MM)))
+        if len(free):
+            rooms[face] = max(free, key=lambda part: part.area)
+    return rooms
 
 
 def _place_for(

@@ -29,7 +29,8 @@ class Piece:
     ----------
     name : "A", "B", ... "Z", "AA", ...
     pattern : the piece as a pattern of its own. Its faces are faces of the whole pattern, rising,
-        and after them the tabs; the crease of a tab is folded as its seam is.
+        and after them the tabs; the crease of a tab is folded as its seam is. Edges that end within
+        one of the faces come last.
     faces, edges : numbers in the whole pattern, -1 for tabs and their sides.
     labels : text to be engraved: the piece's name, then those of its seams. None crosses a crease.
     unwritten : the texts for which there is no room.
@@ -68,7 +69,8 @@ class Division:
             (self.tabs.side >= 0) & (sides.pieces[every, self.tabs.side] == number)
         )
         foot = sides.vertices[tabs, self.tabs.side[tabs]]
-        used, corners, offsets = _faces_and_tabs(whole, faces, foot)
+        loose = _ending_within(whole, faces)
+        used, corners, offsets = _faces_and_tabs(whole, faces, foot, loose)
         tops = self.tabs.tops[tabs]
         coords = np.concatenate([whole.vertices_coords[used], tops.reshape(-1, 2)])
         coords = self._laid_upright(coords, faces)
@@ -83,9 +85,20 @@ class Division:
         folded = whole.folded_coords
         if folded is not None:
             folded = np.concatenate([folded[used], self._folded_tops(folded, tabs)])
+        within = np.searchsorted(faces, whole.edges_faces[loose])
         pattern = CreasePattern(
-            coords, edges.edges_vertices, edges.edges_faces, letter, angle, corners, offsets, folded
+            coords,
+            np.concatenate(
+                [edges.edges_vertices, np.searchsorted(used, whole.edges_vertices[loose])]
+            ),
+            np.concatenate([edges.edges_faces, within]),
+            np.concatenate([letter, whole.edges_assignment[loose]]),
+            np.concatenate([angle, whole.edges_foldAngle[loose]]),
+            corners,
+            offsets,
+            folded,
         )
+        whole_edges = np.concatenate([whole_edges, loose])
         name = piece_name(number)
         texts, labels = self._labels(pattern, number, len(faces), whole_edges, tabs)
         return Piece(
@@ -157,18 +170,27 @@ class Division:
         return texts, piece_labels(pattern, name, face_count, seams, self.label_mm)
 
 
+def _ending_within(whole: CreasePattern, faces: IntArray) -> IntArray:
+    """Edges that end within one of some faces, which they have twice."""
+    first, second = whole.edges_faces.T
+    return np.flatnonzero((first == second) & np.isin(first, faces))
+
+
 def _faces_and_tabs(
-    whole: CreasePattern, faces: IntArray, foot: IntArray
+    whole: CreasePattern, faces: IntArray, foot: IntArray, loose: IntArray
 ) -> tuple[IntArray, IntArray, IntArray]:
     """The vertices of some faces, rising, and the polygons of the faces and of their tabs.
 
     foot : ends of the edges that carry tabs, shape (n, 2). The outer corners of tab i get the
     numbers k + 2 i and k + 2 i + 1 after the k vertices.
+    loose : edges that end within these faces, whose vertices are among the k.
     """
     sizes = np.diff(whole.faces_offsets)
     chosen = np.zeros(whole.face_count, bool)
     chosen[faces] = True
-    used, corners = np.unique(whole.faces_vertices[np.repeat(chosen, sizes)], return_inverse=True)
+    corners = whole.faces_vertices[np.repeat(chosen, sizes)]
+    used = np.union1d(corners, whole.edges_vertices[loose])
+    corners = np.searchsorted(used, corners)
     a, b = np.searchsorted(used, foot).reshape(-1, 2).T
     p = len(used) + 2 * np.arange(len(foot))
     corners = np.concatenate([corners, np.column_stack([b, a, p, p + 1]).ravel()])

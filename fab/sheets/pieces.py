@@ -15,7 +15,7 @@ from fab.errors import Finding, Severity, counted, first_few
 from fab.layout.assembly_order import assembly_order
 from fab.layout.face_sets import Sheet, outer_corners
 from fab.layout.partition import partition
-from fab.pattern.closing_edges import closing_edges
+from fab.pattern.closing_edges import closing_edges, closing_edges_by_angles
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Steps, no_steps
 from fab.settings import Settings
@@ -83,7 +83,8 @@ def split(
 
     A pattern that fits is one piece. Otherwise it is cut along its inner edges, those of assignment
     F too, into as few pieces as the search finds. Edges of the boundary that come together when
-    folded (a ring cut open) are seams as well, where the pattern knows its folded form.
+    folded (a ring cut open, the net of a box) are seams as well, by the folded form that the
+    pattern knows, or that its fold angles give where they close.
 
     bed_mm : width and height. progress : each face is set apart, then drawn, a step each.
 
@@ -92,7 +93,8 @@ def split(
     _require_bed(settings, bed_mm)
     if pattern.face_count == 0:
         raise InvalidValue("faces", 0, "be at least 1", "Give a pattern with faces.")
-    closing, closing_angle = closing_edges(pattern)
+    known = pattern.folded_coords is not None
+    closing, closing_angle = (closing_edges if known else closing_edges_by_angles)(pattern)
     sheet = _sheet(pattern, settings, bed_mm, closing)
     steps = 2 * pattern.face_count
     sets, faces_piece = _assembled(

@@ -3,12 +3,19 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from fab.errors import Severity
-from fab.sheets.kerf import compensated
+from fab.sheets.kerf import compensated as moved_by
 from solver import InvalidValue
+
+
+def compensated(outlines, kerf):
+    """Rings and findings where no gap is cut."""
+    moved = moved_by(outlines, kerf)
+    assert len(moved.gaps) == 0
+    return moved.rings, list(moved.findings)
 
 
 def square(a, x=0.0, y=0.0):
@@ -63,17 +70,76 @@ def test_area_grows_by_the_perimeter_and_its_corners(ring, kerf):
     assert area(moved) == pytest.approx(wanted, abs=0.02 * d * perimeter)
     assert shapely.LinearRing(moved).is_simple
     assert shapely.Polygon(moved).contains(shapely.Polygon(ring))
-    (back,), _ = compensated([moved[::-1]], kerf)
+    (back,) = moved_by([moved[::-1]], kerf).rings
     assert shapely.hausdorff_distance(shapely.LinearRing(back), shapely.LinearRing(ring)) < 0.1 * d
 
 
 @given(stars(), st.floats(0.0, 10.0))
 def test_no_ring_crosses_itself_whatever_the_kerf(ring, kerf):
     for step in (1, -1):
-        rings, findings = compensated([ring[::step]], kerf)
-        assert rings or [f.code for f in findings] == ["hole-narrower-than-kerf"]
+        moved = moved_by([ring[::step]], kerf)
+        rings, codes = moved.rings, [finding.code for finding in moved.findings]
+        assert rings or codes == ["hole-narrower-than-kerf"]
+        assert rings or len(moved.gaps)
         assert all(shapely.LinearRing(r).is_simple for r in rings)
-        assert all((area(r) > 0) == (step > 0) for r in rings) or findings
+        assert all((area(r) > 0) == (step > 0) for r in rings) or codes
+
+
+@given(stars(), st.floats(0.05, 60.0))
+def test_a_hole_is_cut_into_every_corner_that_is_deeper_than_the_kerf(ring, kerf):
+    """Wherever the ring of the beam does not come near, a centre line or a pierce does."""
+    if kerf > 10:  # a hole of a millimetre or so
+        ring, kerf = ring * 0.01, 0.5
+    hole = shapely.Polygon(ring)
+    moved = moved_by([ring[::-1]], kerf)
+    lines = [shapely.LinearRing(r) for r in moved.rings] + list(shapely.linestrings(moved.gaps))
+    assert shapely.distance(shapely.points(ring), shapely.union_all(lines)).max() < 2 * kerf
+    assert hole.buffer(1e-9).covers(shapely.union_all(lines))
+
+
+@example(1e-4, 100.0, 0.7, 0.15)
+@given(st.floats(0.1, 0.95), st.floats(2.0, 30.0), st.floats(0, 6.28), st.floats(0.05, 2.0))
+def test_a_slot_narrower_than_the_kerf_is_one_line_as_long_as_the_slot(share, depth, turn, kerf):
+    """In an outline it begins at the outline, as a hole it is as long as the hole."""
+    half = share * kerf / 2
+    c, s = np.cos(turn), np.sin(turn)
+    place = np.array([[c, s], [-s, c]])
+    assume(depth > 3 * kerf)
+    slot = np.array([[half, 0], [half, depth], [-half, depth], [-half, 0]])
+    edge = 20 * kerf
+    around = np.array([[edge, 0], [edge, depth + edge], [-edge, depth + edge], [-edge, 0]])
+    outline = np.vstack([around, slot[[3, 2, 1, 0]]])
+    for rings, code in (
+        ([outline], "gap-narrower-than-kerf"),
+        ([square(3 * depth, -depth, -depth), slot[::-1]], "hole-narrower-than-kerf"),
+    ):
+        moved = moved_by([ring @ place for ring in rings], kerf)
+        assert [finding.code for finding in moved.findings] == [code]
+        assert len(moved.rings) == 1
+        (line,) = moved.gaps @ place.T
+        line = line[np.argsort(line[:, 1])]
+        assert line == pytest.approx(np.array([[0, 0], [0, depth]]), abs=1e-3 * kerf)
+
+
+@given(st.floats(5.0, 28.0), st.floats(0.05, 0.5))
+def test_a_wedge_is_cut_as_deep_as_the_kerf_lets_it_and_then_once(angle_deg, kerf):
+    half = 20 * np.tan(np.radians(angle_deg / 2))
+    assume(half > 2 * kerf)
+    wedge = np.array([[-30, 0], [30, 0], [30, 40], [half, 40], [0, 20], [-half, 40], [-30, 40.0]])
+    moved = moved_by([wedge], kerf)
+    (line,) = moved.gaps
+    line = line[np.argsort(line[:, 1])]
+    inner = 20 + kerf / 2 / np.sin(np.radians(angle_deg / 2))  # where the moved sides meet
+    assert min(abs(moved.rings[0][:, 1] - inner)) < 1e-9
+    assert line == pytest.approx(np.array([[0, 20], [0, inner - kerf / 2]]), abs=0.05 * kerf)
+    assert [finding.code for finding in moved.findings] == ["gap-narrower-than-kerf"]
+
+
+@given(st.floats(60.0, 170.0), st.floats(0.05, 0.5))
+def test_a_plain_corner_is_not_cut_twice(angle_deg, kerf):
+    half = 10 * np.tan(np.radians(angle_deg / 2))
+    wedge = np.array([[-half, 0], [half, 0], [half, 40], [0, 30], [-half, 40.0]])
+    assert compensated([wedge], kerf)[1] == []
 
 
 def test_mitres_are_limited():
@@ -90,18 +156,21 @@ def test_no_kerf_changes_nothing():
 
 
 def test_what_a_beam_cannot_cut_is_named():
-    rings, (finding,) = compensated([square(10.0), square(0.3, 4, 4)[::-1]], 0.3)
-    assert len(rings) == 1
+    moved = moved_by([square(10.0), square(0.3, 4, 4)[::-1]], 0.3)
+    (finding,) = moved.findings
+    assert len(moved.rings) == 1
+    assert moved.gaps == pytest.approx(np.array([[[4.145, 4.15], [4.155, 4.15]]]))
     assert finding.code == "hole-narrower-than-kerf"
     assert finding.text == (
         "1 of 2 outlines (around x = 4.150, y = 4.150 mm) is a hole nowhere wider than the kerf "
-        "(0.3 mm) and is left out. Enlarge it."
+        "(0.3 mm) and is cut as 1 pierce. Enlarge it, or take a finer beam."
     )
-    holes = [square(0.3, x, 4)[::-1] for x in (4, 6)]
-    _, (finding,) = compensated([square(10.0), *holes], 0.3)
+    slot = np.array([[6, 4], [6, 4.2], [9, 4.2], [9, 4.0]])
+    (finding,) = moved_by([square(10.0), square(0.3, 4, 4)[::-1], slot], 0.3).findings
     assert finding.text == (
         "2 of 3 outlines (the first around x = 4.150, y = 4.150 mm) are holes nowhere wider than "
-        "the kerf (0.3 mm) and are left out. Enlarge them."
+        "the kerf (0.3 mm) and are cut as 1 centre line of 3 mm and 1 pierce. Enlarge them, or "
+        "take a finer beam."
     )
     # a C whose mouth is narrower than the beam
     mouth = np.array(
@@ -120,15 +189,24 @@ def test_what_a_beam_cannot_cut_is_named():
             [0, 9.0],
         ]
     )
-    rings, (finding,) = compensated([mouth], 0.3)
+    moved = moved_by([mouth], 0.3)
+    (finding,) = moved.findings
     assert finding.code == "gap-narrower-than-kerf"
-    assert [area(ring) > 0 for ring in rings] == [True, False]
+    assert finding.text == (
+        "1 of 1 outline (around x = 5.167, y = 4.500 mm) has a notch or a waist narrower than the "
+        "kerf (0.3 mm), cut as 1 centre line of 4 mm. Enlarge the sheet, or take a finer beam."
+    )
+    assert [area(ring) > 0 for ring in moved.rings] == [True, False]
+    (line,) = moved.gaps
+    assert line[np.argsort(line[:, 0])] == pytest.approx(np.array([[5, 4.5], [9, 4.5]]), abs=1e-3)
     # a hole of two rooms whose passage is narrower than the beam
     rooms = np.array([[0, 0], [3, 0], [3, 1.9], [6, 1.9], [6, 0], [9, 0], [9, 4.0]])
     rooms = np.vstack([rooms, [[6, 4], [6, 2.1], [3, 2.1], [3, 4], [0, 4]]])
-    rings, (finding,) = compensated([rooms[::-1]], 0.3)
-    assert finding.code == "gap-narrower-than-kerf"
-    assert [area(ring) for ring in rings] == pytest.approx([-2.7 * 3.7] * 2)
+    moved = moved_by([rooms[::-1]], 0.3)
+    assert [finding.code for finding in moved.findings] == ["gap-narrower-than-kerf"]
+    assert [area(ring) for ring in moved.rings] == pytest.approx([-2.7 * 3.7] * 2)
+    (line,) = moved.gaps
+    assert line[np.argsort(line[:, 0])] == pytest.approx(np.array([[3, 2], [6, 2]]), abs=1e-3)
     # neighbours nearer than the beam
     rings, (finding,) = compensated([square(10.0), square(10.0, 10.2, 0)], 0.3)
     assert len(rings) == 2
