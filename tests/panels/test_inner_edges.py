@@ -82,7 +82,12 @@ def test_a_slot_is_as_wide_as_the_gap_and_half_of_it_longer_at_both_ends(lines, 
 
 @pytest.mark.parametrize(
     "hinge",
-    [{}, {"hole_mm": 2.0}, {"kind": "film"}, {"kind": "knuckle", "pin_mm": 0.8, "play_mm": 0.2}],
+    [
+        {},
+        {"hole_mm": 2.0},
+        {"kind": "film"},
+        {"kind": "knuckle", "pin_mm": 0.6, "play_mm": 0.2, "wall_mm": 0.4},
+    ],
 )
 def test_slit_sheets_are_sound_with_all_hinges(hinge):
     pattern = sheet_with([70, 20, 70, 40], "C")
