@@ -20,9 +20,7 @@ __all__ = ["slitted"]
 _BEYOND_MM = 1.0
 
 
-def slitted(
-    pattern: CreasePattern, panels: Panels, bodies: Bodies
-) -> tuple[Bodies, list[Finding]]:
+def slitted(pattern: CreasePattern, panels: Panels, bodies: Bodies) -> tuple[Bodies, list[Finding]]:
     """The bodies of panels with a slot along every cut that ends within its face.
 
     bodies : one for each panel, with its knuckles and holes. Slots are as wide as gaps across
