@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
 from fab.errors import InvalidJob, did_you_mean, nearest
+from fab.files import require_file
 
 __all__ = ["Settings", "apply_change", "checked", "read_toml"]
 
@@ -60,13 +60,10 @@ Table = TypeVar("Table", bound=Settings)
 
 def read_toml(path: Path, cure: str) -> dict[str, Any]:
     """The tables of a TOML file. Raises `InvalidJob`, with `cure` where there is no such file."""
+    size = require_file(path, InvalidJob, cure)
+    if size > _LARGEST_BYTES:
+        raise InvalidJob(f"{path}: has {size} bytes, must have at most {_LARGEST_BYTES}. {cure}")
     try:
-        whole = path.stat()
-        if not stat.S_ISREG(whole.st_mode):
-            raise InvalidJob(f"{path}: not a file. {cure}")
-        if whole.st_size > _LARGEST_BYTES:
-            bound = f"must have at most {_LARGEST_BYTES}"
-            raise InvalidJob(f"{path}: has {whole.st_size} bytes, {bound}. {cure}")
         text = path.read_bytes()
     except OSError as error:
         raise InvalidJob(f"{path}: cannot be read: {error.strerror}. {cure}") from error

@@ -24,7 +24,7 @@ WINGS = {
 WINGS["jobs"] = set(WINGS)
 WINGS["cli"] = set(WINGS)
 # The modules at the root of `fab`, each of which imports only those before it.
-ROOT_MODULES = ["errors", "progress", "settings", "catalogue", "outputs"]
+ROOT_MODULES = ["errors", "files", "progress", "settings", "catalogue", "outputs"]
 # What geometry may know of the solver.
 GEOMETRY_TAKES = {"solver.errors", "solver.graphs", "solver.vectors", "solver.mesh"}
 HEAVY = {"build123d", "OCP", "manifold3d", "matplotlib", "trimesh", "u_nesting"}

@@ -95,7 +95,7 @@ def check_pairs(sheet: ThickSheet, checked: CheckedBodies, state: FoldedState) -
     promised = mates_promised_mm(sheet, checked, state)
     least = float(promised.min(initial=np.inf))
     if not np.isfinite(least):
-        least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0))
+        least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0)) or sheet.panel.gap_mm
     near = near_pairs(bodies, least)
     if state.stage != Stage.FLAT:  # pieces of a sheet have no common place when folded
         piece = sheet.pattern.faces_piece[moving]

@@ -12,40 +12,54 @@ from fab.errors import Finding, Severity, counted
 from fab.folding.folded_states import Stage
 from fab.panels.inset_limits import rounded_down
 from fab.panels.thick_sheet import ThickSheet
-from solver.vectors import IntArray
+from solver.vectors import BoolArray, IntArray
 
 __all__ = ["pair_findings"]
 
 # Panels without a common crease are close at less than this share of the least promised distance.
 _CLOSE = 0.5
+# Panels that are nearer than this touch.
+_TOUCHING_MM = 1e-6
+_ROUNDING_REL = 1e-6
 # Faces that bend by less are flat.
 _BENT_MM = 1e-3
 # Pairs of each kind that have a finding of their own in one state.
 _LISTED_PAIRS = 10
 
 
-def pair_findings(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
+def pair_findings(
+    sheet: ThickSheet, checks: Sequence[PairCheck], least_gap_mm: float | None = None
+) -> list[Finding]:
     """Findings of pairs in all states: one a pair when flat and at the target, the worst first.
 
     Between these states there is one finding for all overlaps, and one for all that is too near.
+    least_gap_mm : that the printer keeps open, where it is known.
     """
     between = [check for check in checks if check.state.stage == Stage.BETWEEN]
     ends = [check for check in checks if check.state.stage != Stage.BETWEEN]
-    findings = [finding for check in ends for finding in _of_state(sheet, check)]
+    findings = [finding for check in ends for finding in _of_state(sheet, check, least_gap_mm)]
     return [*findings, *_jams(sheet, between), *_near_between(sheet, between)]
 
 
-def _of_state(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
+def _of_state(sheet: ThickSheet, check: PairCheck, least_gap_mm: float | None) -> list[Finding]:
     """Findings of the flat state or of the target."""
-    near, close = (
+    near, fused, close = (
         rows[np.argsort(check.apart_mm[rows], kind="stable")]
-        for rows in (_too_near(check), _close(check))
+        for rows in (_too_near(check), *_close(sheet, check, least_gap_mm))
     )
     findings = _overlaps(sheet, check)
     for row in near[:_LISTED_PAIRS].tolist():
         code, cure = "clearance-too-small", "Raise gap_mm, or enlarge the sheet."
         measure = f"are {check.apart_mm[row]:.4g} mm apart, not {check.wanted_mm[row]:.4g}"
         findings.append(_finding(sheet, check, row, len(near), code, Severity.ERROR, measure, cure))
+    for row in fused[:_LISTED_PAIRS].tolist():
+        code, cure = "panels-touch", "Move them apart in the pattern, or join them by a crease."
+        if _of_two_pieces(sheet, check)[row]:
+            cure = "Move the pieces apart in the pattern, or name a printer: it sets them apart."
+        measure = "touch without a common crease: they are printed as one"
+        findings.append(
+            _finding(sheet, check, row, len(fused), code, Severity.ERROR, measure, cure)
+        )
     for row in close[:_LISTED_PAIRS].tolist():
         code, cure = "panels-close", "Raise gap_mm, or lower thickness_mm."
         measure = f"are {check.apart_mm[row]:.4g} mm apart, without a common crease"
@@ -96,10 +110,25 @@ def _too_near(check: PairCheck) -> IntArray:
     return np.flatnonzero(near & (check.overlap_mm3 <= OVERLAP_MM3))
 
 
-def _close(check: PairCheck) -> IntArray:
-    """Other panels that come closer than all creases do, or touch, without overlapping."""
+def _close(
+    sheet: ThickSheet, check: PairCheck, least_gap_mm: float | None
+) -> tuple[IntArray, IntArray]:
+    """Other panels that touch when flat, and those that come closer than all creases do."""
     other = ~check.may_touch & (check.edges < 0) & (check.overlap_mm3 <= OVERLAP_MM3)
-    return np.flatnonzero(other & (check.apart_mm < _CLOSE * check.wanted_mm))
+    bound = _CLOSE * check.wanted_mm
+    if check.state.stage != Stage.FLAT:
+        return np.empty(0, np.int64), np.flatnonzero(other & (check.apart_mm < bound))
+    if least_gap_mm is not None:  # pieces keep it by their places
+        kept = np.minimum(least_gap_mm * (1 - _ROUNDING_REL), check.wanted_mm)
+        bound = np.where(_of_two_pieces(sheet, check), kept, np.maximum(bound, kept))
+    fused = other & (check.apart_mm <= _TOUCHING_MM)
+    return np.flatnonzero(fused), np.flatnonzero(other & ~fused & (check.apart_mm < bound))
+
+
+def _of_two_pieces(sheet: ThickSheet, check: PairCheck) -> BoolArray:
+    """Whether the panels of each pair belong to different pieces of the sheet, shape (n,)."""
+    first, second = sheet.pattern.faces_piece[check.faces[check.pairs]].T
+    return np.asarray(first != second)
 
 
 def _named(

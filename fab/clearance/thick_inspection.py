@@ -84,16 +84,23 @@ def inspect_thick(
     states: Sequence[FoldedState],
     *,
     limit_deg: float = 180.0,
+    least_gap_mm: float | None = None,
     progress: Progress = silent,
 ) -> tuple[ThickFigures, list[Finding]]:
     """Check every body of a sheet, and all pairs of them in every state.
 
-    joined : the surface of all bodies. states, limit_deg, progress : as in `inspect_clearance`.
+    joined : the surface of all bodies. states, limit_deg, least_gap_mm, progress : as in
+    `inspect_clearance`.
     """
     solids = manifolds(sheet.bodies)
     figures, findings = inspect_solids(sheet, solids, joined)
     clearance, found = inspect_clearance(
-        sheet, solids, states, limit_deg=limit_deg, progress=progress
+        sheet,
+        solids,
+        states,
+        limit_deg=limit_deg,
+        least_gap_mm=least_gap_mm,
+        progress=progress,
     )
     return ThickFigures(figures, clearance), [*findings, *found]
 
@@ -104,6 +111,7 @@ def inspect_clearance(
     states: Sequence[FoldedState],
     *,
     limit_deg: float = 180.0,
+    least_gap_mm: float | None = None,
     progress: Progress = silent,
 ) -> tuple[ClearanceFigures, list[Finding]]:
     """Check all pairs of bodies in every state; those that bend when flat alone.
@@ -111,7 +119,8 @@ def inspect_clearance(
     solids : the bodies of the sheet as manifold3d solids. states : of the sheet's pattern, the flat
     one first (`fab.folding.folded_states`). From the first one on in which a crease is folded over
     limit_deg, for which panels are not made, they are left out, and the last one before counts as
-    the target. progress : called with (stage, steps done, steps in the stage).
+    the target. least_gap_mm : between bodies, that the printer keeps open, where it is known.
+    progress : called with (stage, steps done, steps in the stage).
     """
     reached, beyond = states_within(sheet.pattern, sheet.panels.faces, states, limit_deg)
     findings = _blocked(states, reached, beyond, limit_deg) if len(beyond) else []
@@ -124,7 +133,7 @@ def inspect_clearance(
     progress("clearance", len(reached), len(reached))
     return _figures([_measured(check) for check in checks]), [
         *findings,
-        *pair_findings(sheet, checks),
+        *pair_findings(sheet, checks, least_gap_mm),
     ]
 
 

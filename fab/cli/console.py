@@ -14,7 +14,7 @@ from typing import Any
 
 import click
 
-from fab.errors import Finding
+from fab.errors import Finding, Severity
 from solver.errors import OrigamiError
 
 __all__ = ["Interrupts", "answers", "progress_bar", "say", "tell", "tell_left"]
@@ -99,11 +99,22 @@ def _shown(text: str) -> str:
 
 
 def tell(findings: Sequence[Finding]) -> None:
-    """One line for each code of finding; the report lists all of them."""
-    for code in dict.fromkeys(finding.code for finding in findings):
-        alike = [finding for finding in findings if finding.code == code]
-        more = f" (and {len(alike) - 1} more of these)" if len(alike) > 1 else ""
-        say(f"{alike[0].severity}: {code}: {alike[0].text}{more}", error=True)
+    """One line for each code of finding, the most severe of it; the report lists all of them.
+
+    Errors come first, then warnings and notes; within each, codes in the order of their findings.
+    """
+    alike: dict[str, list[Finding]] = {}
+    for finding in findings:
+        alike.setdefault(finding.code, []).append(finding)
+    worst = [max(found, key=_gravity) for found in alike.values()]  # the first of equals
+    for finding in sorted(worst, key=_gravity, reverse=True):  # which keeps the order of equals
+        count = len(alike[finding.code])
+        more = f" (and {count - 1} more of these)" if count > 1 else ""
+        say(f"{finding.severity}: {finding.code}: {finding.text}{more}", error=True)
+
+
+def _gravity(finding: Finding) -> int:
+    return list(Severity).index(finding.severity)
 
 
 def tell_left(left: Sequence[Path]) -> None:

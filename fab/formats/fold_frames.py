@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity
+from fab.files import require_file
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.flat_frames import FlatSheet, flat_sheet, is_open
 from fab.formats.pattern_file import State
@@ -258,9 +259,7 @@ def frame_title(frame: _Frame) -> str:
 
 def _load(path: Path) -> dict[str, Any]:
     try:
-        if path.exists() and not path.is_file():
-            raise InvalidFile(f"{path}: not a file. Give the path of a FOLD file.")
-        size = path.stat().st_size
+        size = require_file(path, InvalidFile, "Give the path of a FOLD file.")
         if size > _LARGEST_BYTES:
             raise InvalidFile(
                 f"{path}: {size} bytes is over the bound of {_LARGEST_BYTES}. Split the model."

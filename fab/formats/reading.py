@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from fab.errors import InvalidFile
+from fab.files import require_file
 from fab.formats.fold_reader import read_fold
 from fab.formats.importer import pattern_of_lines
 from fab.formats.obj_patterns import read_obj_pattern
@@ -44,6 +45,7 @@ def read_pattern_file(path: str | Path, options: ReadOptions | None = None) -> P
     """
     options = ReadOptions() if options is None else options
     file = Path(path)
+    require_file(file, InvalidFile, "Check the path of the drawing.")
     ending = file.suffix.lower()
     if ending not in READ:
         ending = _ending_by_content(file)
@@ -62,13 +64,8 @@ def read_pattern_file(path: str | Path, options: ReadOptions | None = None) -> P
 
 def _ending_by_content(file: Path) -> str:
     """The ending that suits what is in a file."""
-    try:
-        if file.exists() and not file.is_file():
-            raise InvalidFile(f"{file}: not a file. Give the path of a file to read.")
-        with file.open("rb") as stream:
-            head = stream.read(_HEAD_BYTES)
-    except OSError as error:
-        raise InvalidFile(f"{file}: cannot be read: {error.strerror}. Check the path.") from error
+    with file.open("rb") as stream:
+        head = stream.read(_HEAD_BYTES)
     for ending, beginning in _BEGINNINGS.items():
         if beginning.match(head):
             return ending

@@ -18,6 +18,7 @@ from typing import Any
 from pydantic import PydanticUserError
 
 from fab.errors import InvalidJob, did_you_mean
+from fab.files import require_file
 from fab.jobs.design_settings import DesignSettings, design_settings
 from solver.errors import OrigamiError
 
@@ -63,10 +64,7 @@ def own_design(kind: str, folder: Path, *, allow_code: bool) -> type[DesignSetti
 
 
 def _of_file(kind: str, path: Path, name: str, allow_code: bool) -> type[DesignSettings]:
-    if not path.is_file():
-        raise InvalidJob(
-            f"design.kind = {kind!r}: {path}: no such file. Put it beside the job, or correct kind."
-        )
+    require_file(path, InvalidJob, "Put the file beside the job, or correct design.kind.")
     if not allow_code:
         raise CodeNotAllowed(kind, path)
     module = _module(path)

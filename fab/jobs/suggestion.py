@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from fab.clearance.thickness_limit import collisions
 from fab.folding.folded_states import folded_states, with_free_angles
-from fab.panels.feasible_window import Window, feasible_window
+from fab.panels.bevelled_panels import PanelSettings
+from fab.panels.feasible_window import Window, feasible_window, workable_limit_deg
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.kinematics import unknown_angles
 from fab.printing.thick_settings import ThickSettings
@@ -18,6 +21,9 @@ def suggested_window(
 ) -> Window:
     """The feasible window of scale and thickness of a sheet.
 
+    Where creases fold too far for panels of any thickness and size, it is that of the largest fold
+    limit that works.
+
     settings : `printed`. Creases of unknown angle take those of the folded sheet.
     """
     panels, hinges = settings.panels, settings.hinges
@@ -25,5 +31,13 @@ def suggested_window(
     if unknown_angles(pattern).any():
         states, _ = folded_states(pattern, progress=progress)
         pattern = with_free_angles(pattern, states)
-    clear = collisions(pattern, panels, hinges, progress, states)
-    return feasible_window(pattern, panels, hinges, clear)
+
+    def window(panel: PanelSettings) -> Window:
+        clear = collisions(pattern, panel, hinges, progress, states)
+        return feasible_window(pattern, panel, hinges, clear)
+
+    given = window(panels)
+    limit = workable_limit_deg(pattern, panels, hinges) if given.hopeless else None
+    if limit is None:
+        return given
+    return replace(window(panels.model_copy(update={"fold_limit_deg": limit})), given=given)

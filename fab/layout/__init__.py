@@ -4,5 +4,5 @@
   tabs (`extent`, `upright`); `partition` divides the sheet into such sets.
 - `assembly_order` orders and names the pieces: `assembly_order`, `piece_name`.
 - `nesting` places pieces on as few beds as it finds: `nest`, `Placements`; `gap_filling` fills the
-  gaps between them.
+  gaps between them. `piece_gaps` sets pieces apart that touch or come too near.
 """

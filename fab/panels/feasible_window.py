@@ -17,12 +17,14 @@ from fab.panels.hinges import (
     require_fitting_hinges,
 )
 from fab.panels.inset_limits import rounded_down, rounded_up
-from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.crease_pattern import CreasePattern, scaled
 
-__all__ = ["Row", "Window", "feasible_window"]
+__all__ = ["Row", "Window", "feasible_window", "workable_limit_deg"]
 
 # Thicknesses of the table of sizes, as shares of the given one.
 _SHARES = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
+# A fold limit that works at no size up to this many times the given one is none.
+_WORKABLE_TIMES = 10.0
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,9 @@ class Window:
     fold_deg : how far the sheet's creases fold at most.
     fold_max_deg : the largest fold limit with which all have one as given, at most 180, or None.
     rows : the same for several thicknesses, rising.
+    limit_deg : the fold limit of the panels.
+    given : the window as given, where no thickness and no size helps at the fold limit there; then
+        this one is that of a lower limit. Else None.
     """
 
     faces: int
@@ -65,6 +70,15 @@ class Window:
     fold_deg: float
     fold_max_deg: float | None
     rows: tuple[Row, ...]
+    limit_deg: float
+    given: Window | None = None
+
+    @property
+    def hopeless(self) -> bool:
+        """Whether faces are without a panel at every thickness and every size."""
+        return all(row.scale is None for row in self.rows) and not (
+            self.thickness_max_mm or self.scale_min
+        )
 
     def lines(self) -> list[str]:
         """The window in words, one line each; bounds are rounded to the safe side."""
@@ -79,6 +93,7 @@ class Window:
 
         table = [f"{row.thickness_mm:<14.4g}{row.panels:<14}{size(row.scale)}" for row in self.rows]
         return [
+            *self._beyond(),
             f"{self.panels} of {counted(self.faces, 'face has', 'faces have')} a panel, at "
             f"width_mm = {self.width_mm:.6g} and thickness_mm = {self.thickness_mm:g}",
             "all of them have one",
@@ -89,6 +104,18 @@ class Window:
             f"to {self.fold_deg:.4g})",
             f"{'thickness_mm':<14}{'panels':<14}all of them with",
             *table,
+        ]
+
+    def _beyond(self) -> list[str]:
+        if self.given is None:
+            return []
+        given = self.given
+        return [
+            f"{given.panels} of {counted(given.faces, 'face has', 'faces have')} a panel at "
+            f"fold_limit_deg = {given.limit_deg:g}, and no thickness and no size helps: the "
+            f"creases fold by up to {given.fold_deg:.4g} degrees",
+            f"with fold_limit_deg = {self.limit_deg:g}, the largest that works, to which all below "
+            "applies:",
         ]
 
     def _collisions(self) -> list[str]:
@@ -147,4 +174,20 @@ def feasible_window(
             )
             for thickness in thicknesses
         ),
+        panel.fold_limit_deg,
     )
+
+
+def workable_limit_deg(
+    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+) -> float | None:
+    """The largest fold limit at which all faces have a panel, rounded down to four digits.
+
+    At this thickness and size, or where there is none, on a sheet up to 10 times as large. None
+    where no limit helps.
+    """
+    limit = Feasibility(pattern, panel, hinge).largest_limit_deg()
+    if limit is None:
+        larger = scaled(pattern, factor=_WORKABLE_TIMES)
+        limit = Feasibility(larger, panel, hinge).largest_limit_deg()
+    return None if limit is None else float(rounded_down(limit))

@@ -19,6 +19,7 @@ from fab.panels.hinges import (
     heights_and_setbacks,
     require_fitting_hinges,
 )
+from fab.panels.inner_edges import slitted
 from fab.panels.knuckled_panels import with_knuckles
 from fab.panels.knuckles import Knuckles, make_knuckles
 from fab.panels.webs import make_webs
@@ -88,6 +89,8 @@ def rigid_sheet(
     bodies = rigid.bodies
     if len(knuckles.creases):
         bodies = with_knuckles(pattern, rigid, knuckles, hinge)
+    bodies, without = slitted(pattern, panels, bodies)
+    findings += without
     sheet = ThickSheet(
         pattern,
         panel,

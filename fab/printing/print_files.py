@@ -1,6 +1,7 @@
 """Files of a thick sheet for printers and CAD programs, and the report that goes with them.
 
-crease pattern -> panels, hinges -> joined body -> checks -> plates -> STEP, STL, 3MF, PNG
+crease pattern -> pieces apart -> panels, hinges -> joined body -> checks -> plates -> STEP, STL,
+3MF, PNG
 """
 
 from __future__ import annotations
@@ -15,14 +16,16 @@ from typing import Any
 import numpy as np
 
 from fab.clearance.thick_inspection import inspect_thick
-from fab.errors import Finding, InvalidJob, Severity, counted
+from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.folding.folded_states import FoldedState, folded_states, with_free_angles
 from fab.geometry.bodies import TriangleMesh, bodies_of
+from fab.layout.piece_gaps import set_apart
 from fab.outputs import Made, box_mm, with_report
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern
 from fab.printing.plates import Plates, make_plates
 from fab.printing.printability import inspect_print, inspect_webs, print_figures
+from fab.printing.printers import Printer
 from fab.printing.stl import body_stls, inspect_stl, stl_bytes
 from fab.printing.thick_settings import UNKNOWN, PrintWith, ThickSettings
 from fab.printing.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
@@ -99,12 +102,16 @@ def thick_files(
     Raises `InvalidJob` for sheets so large that single precision does not resolve the thickness of
     their panels.
     """
+    findings: list[Finding] = []
+    if print_with.printer is not None:
+        pattern, findings = _set_apart(pattern, print_with.printer)
     with clock.stage("states"):
-        states, findings = folded_states(pattern, progress=clock.progress)
+        states, found = folded_states(pattern, progress=clock.progress)
+    findings += found
     with clock.stage("panels"):
         free = with_free_angles(pattern, states)
         sheet, found = thicken(free, settings.panels, settings.hinges)
-    findings = [*findings, *found]
+    findings += found
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
     checked, found = _checked(sheet, states, settings, print_with, clock)
@@ -125,6 +132,20 @@ def thick_files(
     )
 
 
+def _set_apart(pattern: CreasePattern, printer: Printer) -> tuple[CreasePattern, list[Finding]]:
+    """The pattern with its pieces as far apart as a printer keeps them, and what has moved."""
+    pattern, faces, shifts = set_apart(pattern, printer.least_gap_mm)
+    if not len(faces):
+        return pattern, []
+    far = np.hypot(*shifts.T)
+    text = (
+        f"{counted(len(faces), 'piece')} moved by up to {far.max():.4g} mm: pieces that are nearer "
+        f"than the printer's least_gap_mm = {printer.least_gap_mm:g} fuse in the print. The first "
+        f"is that of face {faces[0]}, by ({shifts[0, 0]:.4g}, {shifts[0, 1]:.4g}) mm."
+    )
+    return pattern, [Finding("pieces-moved", Severity.NOTE, text, panels=first_few(faces))]
+
+
 def _checked(
     sheet: ThickSheet,
     states: Sequence[FoldedState],
@@ -142,7 +163,12 @@ def _checked(
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
         measured, findings = inspect_thick(
-            sheet, joined, states, limit_deg=limit_deg, progress=clock.progress
+            sheet,
+            joined,
+            states,
+            limit_deg=limit_deg,
+            least_gap_mm=None if printer is None else printer.least_gap_mm,
+            progress=clock.progress,
         )
         if set(settings.hinges.kinds) == {"none"}:  # loose by intent
             findings = [finding for finding in findings if finding.code != "panels-loose"]

@@ -17,7 +17,7 @@ from solver.graphs import edge_keys, labels
 from solver.targets.frame import Frame, vector
 from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm, unit
 
-__all__ = ["MeshSurface"]
+__all__ = ["MeshSurface", "mesh_arrays"]
 
 _FORMATS = ("obj", "ply", "stl")
 # Vertices closer than this are one, triangles flatter than this have no area, in sizes of the mesh.
@@ -63,27 +63,8 @@ class MeshSurface:
         trimesh cuts every quad from its first to its third corner. Where a file holds nothing but
         quads that is undone here, and the shorter diagonal taken.
         """
-        file = Path(path)
-        ending = file.suffix.lower().removeprefix(".")
-        if ending not in _FORMATS:
-            cure = "Export the mesh as one of these."
-            raise InvalidValue("path", str(path), f"end in .{', .'.join(_FORMATS)}", cure)
-        if not file.is_file():
-            raise InvalidValue("path", str(path), "name a file", "Look at its spelling.")
-        import trimesh
-
-        try:
-            mesh = trimesh.load_mesh(file, file_type=ending, process=False)
-        except Exception as error:  # readers of foreign files raise all kinds
-            cure = f"trimesh reports {error!r}. Export it again."
-            raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
-        triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
-        if not len(triangles):
-            cure = "It is empty, cut off, or holds points and lines alone: export the mesh again."
-            raise InvalidValue("path", str(path), "hold at least one face", cure)
-        quads = None if ending == "stl" else _quads_again(triangles)
-        faces = triangles if quads is None else quads
-        return cls.from_faces(np.asarray(mesh.vertices, np.float64), faces, up=up, rows=rows)
+        mesh = mesh_arrays(path)
+        return cls.from_faces(mesh["vertices_coords"], mesh["faces"], up=up, rows=rows)
 
     @classmethod
     def from_faces(
@@ -294,6 +275,34 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
         turned = np.where((second < first)[:, None], np.roll(triangles, -1, axis=1), triangles)
         triangles = np.stack([turned[:, [0, 1, 2]], turned[:, [2, 3, 0]]], axis=1).reshape(-1, 3)
     return coords, triangles
+
+
+def mesh_arrays(path: str | Path) -> dict[str, Any]:
+    """Vertices and faces of an STL, OBJ or PLY file, as `MeshSurface.read` takes them.
+
+    Their names are "vertices_coords", shape (n, 3), and "faces", triangles or quads.
+    """
+    file = Path(path)
+    ending = file.suffix.lower().removeprefix(".")
+    if ending not in _FORMATS:
+        cure = "Export the mesh as one of these."
+        raise InvalidValue("path", str(path), f"end in .{', .'.join(_FORMATS)}", cure)
+    if not file.is_file():
+        raise InvalidValue("path", str(path), "name a file", "Look at its spelling.")
+    import trimesh
+
+    try:
+        mesh = trimesh.load_mesh(file, file_type=ending, process=False)
+    except Exception as error:  # readers of foreign files raise all kinds
+        cure = f"trimesh reports {error!r}. Export it again."
+        raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
+    triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
+    if not len(triangles):
+        cure = "It is empty, cut off, or holds points and lines alone: export the mesh again."
+        raise InvalidValue("path", str(path), "hold at least one face", cure)
+    quads = None if ending == "stl" else _quads_again(triangles)
+    faces = triangles if quads is None else quads
+    return {"vertices_coords": np.asarray(mesh.vertices, np.float64), "faces": faces}
 
 
 def _quads_again(triangles: IntArray) -> IntArray | None:

@@ -25,7 +25,9 @@ from build123d import (
 )
 
 from fab.errors import InvalidFile
-from fab.formats.surface import SplineFace, _spline_face, read_surface
+from fab.formats.spline_face import SplineFace
+from fab.formats.step_faces import spline_face
+from fab.formats.surface import read_surface
 from solver import Status, developability, planarity
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
@@ -56,7 +58,7 @@ def face_of(tmp_path_factory):
         path = folder / f"{name}.step"
         export_step(shape, path)
         face = next(f for f in import_step(path).faces() if f.geom_type.name == kind)
-        return face, _spline_face(face)
+        return face, spline_face(face)
 
     return of
 
@@ -232,9 +234,9 @@ def test_meshes_are_read_as_meshes(tmp_path):
 def test_files_that_hold_no_surface_are_refused(tmp_path):
     with pytest.raises(InvalidFile, match=r"\.obj, \.ply, \.stl, \.step, \.stp"):
         read_surface(tmp_path / "surface.iges")
-    with pytest.raises(InvalidFile, match="no such file"):
+    with pytest.raises(InvalidFile, match="No such file"):
         read_surface(tmp_path / "missing.step")
-    with pytest.raises(InvalidFile, match="no such file"):
+    with pytest.raises(InvalidFile, match="No such file"):
         read_surface(tmp_path / "missing.stl")
     (tmp_path / "bad.step").write_text("nonsense")
     with pytest.raises(InvalidFile, match="no faces"):

@@ -169,7 +169,7 @@ def test_fields_may_be_required_or_tuples_or_made_by_a_factory(folder):
 @pytest.mark.parametrize(
     ("code", "kind", "match"),
     [
-        ("", "other.py:Miura", "other.py: no such file. Put it beside the job"),
+        ("", "other.py:Miura", "other.py: cannot be read: No such file .* Put the file beside"),
         ("", "mine.py", "must name a file and a class"),
         ("", "mine.py:", "must name a file and a class"),
         ("", "mine.py:a b", "must name a file and a class"),
