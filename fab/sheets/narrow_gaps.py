@@ -104,7 +104,7 @@ def _may_have(shapes: Shapes, moved: Shapes, outer: BoolArray, kerf_mm: float) -
 def _sizes(parts: Shapes) -> FloatArray:
     """Diagonals of the boxes around figures, shape (n,)."""
     low_x, low_y, high_x, high_y = shapely.bounds(parts).T
-    return np.nan_to_num(np.hypot(high_x - low_x, high_y - low_y))
+    return np.asarray(np.nan_to_num(np.hypot(high_x - low_x, high_y - low_y)))
 
 
 def _hole_lines(hole: shapely.Polygon, kerf_mm: float) -> list[FloatArray]:
@@ -119,9 +119,7 @@ def _hole_lines(hole: shapely.Polygon, kerf_mm: float) -> list[FloatArray]:
     return [middle + np.array([[-0.5, 0.0], [0.5, 0.0]]) * SHORTEST_CUT_MM]
 
 
-def _notch_lines(
-    part: shapely.Polygon, shape: shapely.Polygon, kerf_mm: float
-) -> list[FloatArray]:
+def _notch_lines(part: shapely.Polygon, shape: shapely.Polygon, kerf_mm: float) -> list[FloatArray]:
     """Centre lines of a gap, each of shape (k, 2); none where it is the rest of a corner.
 
     part : the gap, short of what the beam reaches by what outlines may be simplified by.

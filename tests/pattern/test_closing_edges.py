@@ -18,9 +18,7 @@ def prism(sides, angle, rows=1):
     ends = pattern.vertices_coords[pattern.edges_vertices]
     across = (ends[:, 0, 0] == ends[:, 1, 0]) & (pattern.edges_assignment != "B")
     letters = np.where(pattern.edges_assignment == "B", "B", np.where(across, "V", "F"))
-    return replace(
-        pattern, edges_assignment=letters, edges_foldAngle=np.where(across, angle, 0.0)
-    )
+    return replace(pattern, edges_assignment=letters, edges_foldAngle=np.where(across, angle, 0.0))
 
 
 def cube():
@@ -71,9 +69,7 @@ def pattern_with_cut():
     second = (ends == sorted((c, middle))).all(axis=1)
     return replace(
         letters,
-        edges_assignment=np.where(
-            first, "C", np.where(second, "F", np.where(inner, "V", "B"))
-        ),
+        edges_assignment=np.where(first, "C", np.where(second, "F", np.where(inner, "V", "B"))),
         edges_foldAngle=np.where(inner & ~first & ~second, 90.0, 0.0),
     )
 
