@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import Field, field_validator, model_validator
 
 from fab.errors import InvalidJob, did_you_mean
+from fab.files import shortened
 from fab.settings import Settings, checked, read_toml
 
 __all__ = ["CURE", "Bedded", "Described", "described", "load_described", "shipped", "shipped_of"]
@@ -130,8 +131,8 @@ def _shipped_file(name: str, folder: Folder, wanted: str) -> Path:
     if name not in known:
         what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
         raise InvalidJob(
-            f"{folder[:-1]} {name!r} {what}must be one of {', '.join(known)}, or the path "
-            f"of a .toml file.{did_you_mean(name, known, 0.4)}"
+            f"{folder[:-1]} {shortened(name)!r} {what}must be one of {', '.join(known)}, or the "
+            f"path of a .toml file.{did_you_mean(name, known, 0.4)}"
         )
     return shipped(folder)[name]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from solver.errors import OrigamiError
 
-__all__ = ["require_file", "shown_path"]
+__all__ = ["require_file", "shortened", "shown_path"]
 
 # Longer paths are shortened in messages.
 _LONGEST_SHOWN = 120
@@ -35,12 +35,16 @@ def require_file(path: Path, refusal: type[OrigamiError], cure: str) -> int:
 
 
 def shown_path(path: Path) -> str:
-    """A path for a message; long ones are shortened in the middle.
+    """A path for a message, `shortened`."""
+    return shortened(str(path))
 
-    >>> len(shown_path(Path("a" * 5000)))
-    120
+
+def shortened(text: str) -> str:
+    """A path or name for a message; a long one without its middle.
+
+    >>> shortened("miura"), len(shortened("a" * 5000))
+    ('miura', 120)
     """
-    text = str(path)
     if len(text) <= _LONGEST_SHOWN:
         return text
     half = _LONGEST_SHOWN // 2

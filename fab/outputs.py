@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from fab.errors import Finding, InvalidJob, Severity, did_you_mean
+from fab.files import shown_path
 from solver.vectors import FloatArray
 
 __all__ = [
@@ -137,6 +138,8 @@ def zip_bytes(files: Mapping[str, bytes]) -> bytes:
 
 def require_folder(folder: Path) -> None:
     """Raise `InvalidJob` unless `folder` is a writable folder, or can become one."""
+    if "\0" in str(folder):
+        raise InvalidJob(f"{shown_path(folder)}: a NUL character in a path. Choose another --out.")
     try:
         existing = next(p for p in [folder, *folder.absolute().parents] if p.exists())
     except OSError as error:
@@ -182,7 +185,9 @@ def write(made: Made, folder: str | Path) -> None:
 def _unwritten(folder: Path, error: OSError) -> InvalidJob:
     cure = _CURES.get(error.errno or 0, "Choose another --out.")
     why = error.strerror or error
-    return InvalidJob(f"{folder}: cannot be written: {why}. No partial file was left. {cure}")
+    return InvalidJob(
+        f"{shown_path(folder)}: cannot be written: {why}. No partial file was left. {cure}"
+    )
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from fab.cli.inputs import allowed_job
 from fab.cli.options import ALLOW_CODE, DRY_RUN, OUT, SUGGEST, changes_of, formats_of, only
 from fab.cli.panels import say_window
 from fab.errors import InvalidJob, counted, did_you_mean
+from fab.files import shortened, shown_path
 
 __all__ = ["new", "run", "templates"]
 
@@ -95,7 +96,9 @@ def new(template: str, out: Path | None) -> None:
         jobs = shipped("jobs")
         if template not in jobs:
             hint = did_you_mean(template, jobs)
-            raise InvalidJob(f"template {template!r} must be one of {', '.join(jobs)}.{hint}")
+            raise InvalidJob(
+                f"template {shortened(template)!r} must be one of {', '.join(jobs)}.{hint}"
+            )
         target = out if out is not None else Path(f"{template}.toml")
         try:
             with target.open("xb") as file:
@@ -104,6 +107,6 @@ def new(template: str, out: Path | None) -> None:
             raise InvalidJob(f"{target} exists already. Give another file with --out.") from error
         except OSError as error:
             raise InvalidJob(
-                f"{target}: cannot be written: {error.strerror}. Choose another --out."
+                f"{shown_path(target)}: cannot be written: {error.strerror}. Choose another --out."
             ) from error
         say(f"wrote {target}; make its files with: quadfold run {target} --out out")

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol, get_origin, get_
 from pydantic import Field, create_model
 
 from fab.errors import InvalidJob, did_you_mean
+from fab.files import shortened
 from fab.settings import Settings
 from solver import DESIGNS, Growth
 from solver.designs.surface_fit import SURFACES
@@ -74,12 +75,14 @@ def _target(surface: str, face: int | None, up: list[float] | None, folder: Path
     if face is not None or up is not None:
         raise InvalidJob(
             f"design.face = {face} and design.up = {up} must be left out for surface = "
-            f"{surface!r}: only STEP files have faces to choose from, and only meshes a side."
+            f"{shortened(surface)!r}: only STEP files have faces to choose from, and only meshes a "
+            "side."
         )
     if surface not in SURFACES:
         raise InvalidJob(
-            f"design.surface = {surface!r} must be one of {', '.join(SURFACES)}, or a file that "
-            f"ends in .stl, .obj, .ply, .step or .stp.{did_you_mean(surface, SURFACES, 0.4)}"
+            f"design.surface = {shortened(surface)!r} must be one of {', '.join(SURFACES)}, or a "
+            "file that ends in .stl, .obj, .ply, .step or .stp."
+            f"{did_you_mean(surface, SURFACES, 0.4)}"
         )
     return surface
 

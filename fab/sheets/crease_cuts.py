@@ -50,7 +50,11 @@ class Cuts:
 
 
 def cuts_along(
-    ends: FloatArray, style: CreaseStyle, trim_mm: float | FloatArray, kerf_mm: float = 0.0
+    ends: FloatArray,
+    style: CreaseStyle,
+    trim_mm: float | FloatArray,
+    kerf_mm: float = 0.0,
+    made: int = 0,
 ) -> Cuts:
     """Cuts along lines, symmetrical in each line's room, with a whole number of periods in it.
 
@@ -62,13 +66,14 @@ def cuts_along(
     kerf_mm : width of the beam. It lengthens each cut by half of it at both ends, so cuts are drawn
         shorter by the kerf, and gaps and margins come out as asked for. Cuts not longer than the
         kerf are drawn as pierces of 0.01 mm.
+    made : number of cuts that the same sheet has already.
 
     All lengths of a pattern are scaled alike to fit; its first cut begins and its last one ends at
     the ends of the room. A line too short for two cuts has one in the middle of its room, not
     longer than asked for. A line with a room of 0.01 mm or less has none.
 
     Raises `InvalidValue` for a negative kerf, one that joins cuts, and for more than 5 million
-    cuts.
+    cuts in all.
 
     >>> line = np.array([[[0.0, 0.0], [11.0, 0.0]]])
     >>> cuts_along(line, DashStyle(cut_mm=3.0, gap_mm=1.0), 0.0).segments[..., 0].tolist()
@@ -79,7 +84,7 @@ def cuts_along(
     length = np.hypot(span[:, 0], span[:, 1])
     trim = np.broadcast_to(np.asarray(trim_mm, np.float64), (len(ends), 2))
     room = length - trim.sum(axis=1)
-    rows = _rows(room, style, kerf_mm)
+    rows = _rows(room, style, kerf_mm, made)
     with np.errstate(divide="ignore", invalid="ignore"):
         direction = span / length[:, None]
     across = direction[:, ::-1] * [-1, 1]
@@ -143,7 +148,7 @@ class _Row:
     height_mm: FloatArray
 
 
-def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
+def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float, made: int) -> list[_Row]:
     """The wanted cuts of a style in rooms of these lengths, one row or those of a lattice."""
     period, marks = _rhythm(style)
     first = marks[0, 1]
@@ -155,7 +160,7 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float) -> list[_Row]:
     # a line with room for a single cut has it in the first row, moved onto the line
     shifted, beside = np.where(many, repeats, 0), np.where(many, whole, 0)
     counts = [whole, *(shifted if row % 2 else beside for row in range(1, len(heights)))]
-    total = sum(int(count.sum()) for count in counts)
+    total = made + sum(int(count.sum()) for count in counts)
     if total > _MOST_DASHES:
         raise InvalidValue(
             "number of dashes",

@@ -214,7 +214,7 @@ def _cut_creases(
             if not len(edges):
                 continue
             ends = pattern.vertices_coords[pattern.edges_vertices[edges]]
-            cuts = cuts_along(ends, style, trim[edges], kerf_mm)
+            cuts = cuts_along(ends, style, trim[edges], kerf_mm, int(count.sum()))
             count += np.bincount(edges[cuts.owner], minlength=len(trim))
             pierced += np.bincount(edges[cuts.owner[cuts.pierced]], minlength=len(trim))
             layers.append(Layer(operation, cuts.segments))

@@ -352,6 +352,23 @@ def test_too_many_dashes_are_refused_before_they_fill_the_memory():
         make(job, [Format.DXF])
 
 
+def test_the_bound_of_dashes_is_on_all_styles_of_a_sheet_together(monkeypatch):
+    """Half of the bound on mountains and as much on valleys would fill the memory together."""
+    from fab.sheets import crease_cuts
+
+    monkeypatch.setattr(crease_cuts, "_MOST_DASHES", 0)
+    counts = {}
+    for letter, other in (("mountain", "valley"), ("valley", "mountain")):
+        with pytest.raises(InvalidValue) as caught:
+            make(parse_job(small(perforation={other: {"kind": "none"}})), [Format.DXF])
+        counts[letter] = caught.value.value
+    monkeypatch.setattr(crease_cuts, "_MOST_DASHES", max(counts.values()))
+    for letter in counts:
+        make(parse_job(small(perforation={letter: {"kind": "none"}})), [Format.DXF])
+    with pytest.raises(InvalidValue, match=f"number of dashes = {sum(counts.values())} "):
+        make(parse_job(small()), [Format.DXF])
+
+
 def test_a_sheet_of_which_no_crease_is_cut_is_an_error():
     made = make(parse_job(small(perforation={"margin_mm": 100.0})), [Format.DXF])
     assert {f.severity for f in made.findings} == {Severity.ERROR}
@@ -397,7 +414,7 @@ def test_a_job_may_follow_a_mesh_beside_it(tmp_path):
     ("design", "text"),
     [
         ({"surface": "wave"}, "wave.* must be one of .* or a file .* Did you mean waves"),
-        ({"surface": "nothing.stl"}, "no such file|name a file"),
+        ({"surface": "nothing.stl"}, r"nothing\.stl: cannot be read: No such file"),
         ({"surface": "waves", "face": 2}, "only STEP files"),
         ({"surface": "waves", "up": [0.0, 0.0, 1.0]}, "only meshes"),
     ],
