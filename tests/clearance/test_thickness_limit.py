@@ -101,7 +101,7 @@ def test_a_sheet_that_passes_through_itself_has_no_thickness():
     panel, hinge = PanelSettings(thickness_mm=0.5), HingeSettings(kind="none")
     assert clear_up_to(pattern, panel, hinge, state) is None
     (found,) = overlaps(pattern, panel, hinge, state)
-    assert "at every thickness that such hinges allow: fold less" in found.text
+    assert "at every thickness that these hinges allow: fold less" in found.text
     window = feasible_window(pattern, panel, hinge, collisions(pattern, panel, hinge))
     assert window.clear_max_mm == 0.0
     assert "overlap at the target at every thickness" in "\n".join(window.lines())
