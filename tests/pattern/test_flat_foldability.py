@@ -74,9 +74,7 @@ def test_letters_are_those_of_some_order_of_layers(degree, seed):
     found = foldable_letters(sectors[None], 1e-9)[0]
     listed = {tuple(row) for row in balanced_letters(degree)[found].tolist()}
     exact = {
-        letters
-        for letters in product([False, True], repeat=degree)
-        if folds_flat(sectors, letters)
+        letters for letters in product([False, True], repeat=degree) if folds_flat(sectors, letters)
     }
     assert listed == exact
 
