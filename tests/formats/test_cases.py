@@ -4,6 +4,7 @@ They are read in place from the folder `shared/cases` beside the repository; the
 has tests of its own in this folder.
 """
 
+import json
 import re
 
 import pytest
@@ -78,6 +79,7 @@ def case(name):
         ("yup_fold.obj", FOUND, {"V": 1, "B": 6}, (100, 60), {"frame-turned"}),
         ("framepart.fold", FOUND, {"M": 2, "V": 2, "B": 12}, (160, 100), set()),
         ("flat_1e-9.fold", FOUND, {"V": 1, "B": 4}, (1e-9, 1e-9), {"unit-unknown"}),
+        ("valley_of_angle_0.fold", FOUND, {"V": 1, "B": 4}, (100, 100), {"fold-angle-zero"}),
         ("flat_1e10.fold", FOUND, {"V": 1, "B": 4}, (1e10, 1e10), {"unit-unknown"}),
     ],
 )
@@ -152,6 +154,51 @@ def test_cases_are_fabricated_or_refused(tmp_path, name, code, text):
     assert result.exit_code == code, result.output
     assert re.search(text, result.output), result.output
     assert all(letter.isprintable() or letter == "\n" for letter in result.output)
+
+
+SIMULATED = [
+    ("valley_of_angle_0", [], 0, "folds to its target", {"fold-angle-zero"}),
+    ("crane_folded_form_0.3mm_off", [], 0, r"up to 0\.295 mm from", {"folded-form-differs"}),
+    (
+        "vertex_off_0.1deg",
+        [],
+        1,
+        "angles are right, but vertices are off by up to about 0.1 mm: --tolerance-deg 0.5 ",
+        {"target-not-reached", "angles-do-not-close"},
+    ),
+    ("vertex_off_0.1deg", ["--tolerance-deg", "0.5"], 0, "folds to its target", set()),
+    ("slit2_C", [], 0, "folds to its target", {"crease-dangling"}),
+    ("dangle_C", [], 0, "folds to its target", {"crease-dangling", "nothing-to-fold"}),
+    ("face_along_dangling_crease", [], 0, "folds to its target", {"crease-dangling"}),
+]
+
+
+@pytest.mark.parametrize(("name", "options", "code", "text", "codes"), SIMULATED)
+def test_cases_are_simulated(tmp_path, name, options, code, text, codes):
+    words = ["simulate", str(case(f"{name}.fold")), "--only", "fold", "--states", "5"]
+    result = CliRunner().invoke(main, [*words, *options, "--out", str(tmp_path)])
+    assert result.exit_code == code, result.output
+    assert re.search(text, result.output), result.output
+    report = json.loads((tmp_path / f"{name}_folding.json").read_text())
+    found = {finding["code"] for finding in report["findings"]}
+    assert codes <= found
+    severe = {f["code"] for f in report["findings"] if f["severity"] == "error"}
+    assert bool(severe) == (code == 1)
+    assert report["verdict"]["angle_error_max_deg"] < 1e-6
+
+
+def test_a_valley_of_angle_0_is_one_thing(tmp_path):
+    """Blue when converted, and cut as a valley."""
+    path = str(case("valley_of_angle_0.fold"))
+    for target in ("a.svg", "a.fold"):
+        CliRunner().invoke(main, ["convert", path, str(tmp_path / target)], catch_exceptions=False)
+    assert 'stroke="#0000ff" stroke-opacity="1"' in (tmp_path / "a.svg").read_text()
+    assert json.loads((tmp_path / "a.fold").read_text())["edges_assignment"].count("V") == 1
+    words = ["fabricate", path, *SHEET, "--out", str(tmp_path)]
+    result = CliRunner().invoke(main, words, catch_exceptions=False)
+    assert "fold-angle-zero" in result.output
+    (sheet,) = tmp_path.glob("*.dxf")
+    assert "VALLEY" in sheet.read_text()
 
 
 def test_what_we_convert_we_read_again(tmp_path):

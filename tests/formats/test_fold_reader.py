@@ -160,13 +160,13 @@ def changed(**changes):
     return {key: value for key, value in document.items() if value is not None}
 
 
-def with_edge(pair, letter, points=(), angle=0, **changes):
+def with_edge(pair, letter, points=(), **changes):
     """The two squares with one edge, and points, more; its faces are left to be found."""
     return changed(
         vertices_coords=[*SQUARES["vertices_coords"], *points],
         edges_vertices=[*SQUARES["edges_vertices"], pair],
         edges_assignment=[*SQUARES["edges_assignment"], letter],
-        edges_foldAngle=[*SQUARES["edges_foldAngle"], angle],
+        edges_foldAngle=[*SQUARES["edges_foldAngle"], {"M": -90, "V": 90}.get(letter, 0)],
         **{"faces_vertices": None, **changes},
     )
 
