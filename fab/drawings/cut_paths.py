@@ -48,10 +48,14 @@ class Layer:
 
 @dataclass(frozen=True)
 class CutPaths:
-    """What is on a sheet, in the order of the work; all of it is within (0, 0) to `size_mm`."""
+    """What is on a sheet, in the order of the work; all of it is within (0, 0) to `size_mm`.
+
+    on_bed : whether `size_mm` is the bed of a machine, so that pages are exactly as large.
+    """
 
     layers: tuple[Layer, ...]
     size_mm: tuple[float, float]
+    on_bed: bool = False
 
 
 def joined(layers: Sequence[Layer]) -> tuple[Layer, ...]:

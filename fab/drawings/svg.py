@@ -22,12 +22,14 @@ _HAIRLINE_MM = 0.1
 def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
     """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
 
-    The y axis of SVG points down, so y is turned around: the picture is not mirrored.
+    The y axis of SVG points down, so y is turned around: the picture is not mirrored. A page on a
+    bed is as large as the bed; others are larger than the drawing, by a stroke on every side.
     title : of the document; "_" replaces what cannot be printed.
     """
     width, height = paths.size_mm
-    edge = _HAIRLINE_MM  # room for half a stroke on every side
-    box = (-edge, -edge, width + 2 * edge, height + 2 * edge)
+    edge = 0.0 if paths.on_bed else _HAIRLINE_MM
+    low = 0.0 - edge  # never a negative zero
+    box = (low, low, width + 2 * edge, height + 2 * edge)
     head = (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<svg xmlns="http://www.w3.org/2000/svg" '

@@ -3,7 +3,7 @@
 Pieces are turned and shifted, never mirrored. U-Nesting places them by no-fit polygons, in batches,
 since its cost grows with the square of all corners. Its answers are checked; where one is wrong,
 boxes side by side, or one piece alone, take its place. What is left may lie in the gaps between
-(`fab.layout.gap_filling`).
+and in the holes of the pieces (`fab.layout.gap_filling`).
 """
 
 from __future__ import annotations
@@ -106,6 +106,11 @@ class _Piece:
     box: shapely.Polygon
     envelope: shapely.Polygon
 
+    @property
+    def filled_area(self) -> float:
+        """Area of the piece and its holes, mm2."""
+        return float(shapely.Polygon(self.outline.exterior).area)
+
 
 @dataclass(frozen=True)
 class _Spot:
@@ -128,9 +133,9 @@ def nest(
 
     Pieces turn by multiples of 90 degrees from the rotation in which their box is least, or from
     that of their outline where they fit the bed in no other. Each sheet takes the largest pieces
-    left, batch by batch from its lower left corner; the sheet used least is the last. Holes stay
-    empty. The same pieces give the same placements. The cost grows with the number of pieces;
-    copies of full sheets are free.
+    left, batch by batch from its lower left corner, and what is left in the gaps and holes; the
+    sheet used least is the last. The same pieces give the same placements. The cost grows with the
+    number of pieces; copies of full sheets are free.
 
     Parameters
     ----------
@@ -162,7 +167,7 @@ def nest(
         spots = filling.sheet(left, lambda unplaced: progress(total - unplaced, total))
         left = left - filling.counts(spots)
         filled.append(spots)
-    used = np.array([filling.area[[spot.piece for spot in spots]].sum() for spots in filled])
+    used = np.array([filling.net_area[[spot.piece for spot in spots]].sum() for spots in filled])
     by_use = np.argsort(-used, kind="stable")
     items: list[Placement] = []
     seen = [0] * len(pieces)
@@ -260,7 +265,8 @@ class _Filling:
 
     Attributes
     ----------
-    order : pieces, the largest first. area : of each piece, mm2.
+    order : pieces, the largest first. area : of each piece with its holes, mm2; net_area :
+        without them.
     found : what was placed, by how many of each piece were offered, and to which rectangle or
         between which pieces: sheets repeat.
     """
@@ -269,7 +275,8 @@ class _Filling:
         self.pieces = pieces
         self.room = room
         self.gap_mm = gap_mm
-        self.area = np.array([piece.outline.area for piece in pieces])
+        self.area = np.array([piece.filled_area for piece in pieces])
+        self.net_area = np.array([piece.outline.area for piece in pieces])
         self.order = np.argsort(-self.area, kind="stable")
         self.found: dict[tuple[bytes, bytes], list[_Spot]] = {}
 
@@ -310,8 +317,8 @@ class _Filling:
         return self.found[key]
 
     def _in_gaps(self, left: IntArray, spots: list[_Spot]) -> list[_Spot]:
-        free_area = self.room.prod() - self.area[[spot.piece for spot in spots]].sum()
-        offered = np.minimum(left, (free_area / self.area).astype(int))
+        free_area = self.room.prod() - self.net_area[[spot.piece for spot in spots]].sum()
+        offered = np.minimum(left, (free_area / self.net_area).astype(int))
         lying = np.array([[spot.piece, *spot.turn.ravel(), *spot.shift] for spot in spots])
         key = offered.tobytes(), lying.tobytes()
         if key not in self.found:
@@ -337,8 +344,7 @@ def _between(
 
     Where many are left, a sample of all sizes is tried.
     """
-    filled = [shapely.Polygon(shape.exterior) for shape in _lying(pieces, spots)]
-    gaps = Gaps(filled, room, gap_mm)
+    gaps = Gaps(_lying(pieces, spots), room, gap_mm)
     more = []
     tried = order[left[order] > 0]
     for number in tried[:: 1 + len(tried) // _TRIED].tolist():
@@ -391,10 +397,10 @@ def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: flo
     """
 
     def covered(spots: list[_Spot]) -> float:
-        return float(sum(pieces[spot.piece].outline.area for spot in spots))
+        return float(sum(pieces[spot.piece].filled_area for spot in spots))
 
     numbers = np.flatnonzero(offered).tolist()
-    largest = max(numbers, key=lambda n: pieces[n].outline.area)
+    largest = max(numbers, key=lambda n: pieces[n].filled_area)
     turn = _turn_that_fits(pieces[largest], room) or 0
     best = [_Spot(largest, pieces[largest].turns[turn], np.zeros(2))]
     for strategy in ("nfp", "blf", "alns"):

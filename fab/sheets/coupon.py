@@ -71,7 +71,7 @@ def coupon(machine: Machine, material: Material) -> CutPaths:
             size = card.size
             if size[0] <= room[0] and size[1] <= room[1]:
                 corner = machine.margin_mm
-                return CutPaths(joined(card.at(corner, corner)), machine.bed_mm)
+                return CutPaths(joined(card.at(corner, corner)), machine.bed_mm, on_bed=True)
     bound = f"be at least {size[0]:.4g} x {size[1]:.4g} mm within its margins"
     cure = "Take a machine with a larger bed, or shorter starting values."
     raise InvalidValue("bed", f"{room[0]:g} x {room[1]:g} mm", bound, cure)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -112,8 +112,8 @@ def two_sided(
     front = [layer for layer in paths.layers if layer.operation not in _BACK]
     back = [layer.moved(turn, shift) for layer in paths.layers if layer.operation in _BACK]
     return (
-        CutPaths(joined([*front, marks, holes]), paths.size_mm),
-        CutPaths(joined([*back, crosses]), paths.size_mm),
+        replace(paths, layers=joined([*front, marks, holes])),
+        replace(paths, layers=joined([*back, crosses])),
     )
 
 

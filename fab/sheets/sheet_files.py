@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import numpy as np
 import shapely
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
@@ -120,6 +121,7 @@ def sheets(
                 ]
             ),
             bed_mm,
+            on_bed=True,
         )
         for sheet in range(len(placements.used))
     ]
@@ -178,13 +180,18 @@ def _placed(
 
 
 def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
-    """The outer outline of a piece as it is cut; its holes stay free of other pieces."""
+    """The outline of a piece as it is cut, with its holes, which have room for other pieces."""
     rings = [
         ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
     ]
     if not rings:
         raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
-    return max((shapely.Polygon(ring) for ring in rings), key=lambda polygon: polygon.area)
+    figures = np.array([shapely.Polygon(ring) for ring in rings])
+    largest = int(np.argmax(shapely.area(figures)))
+    around = figures[largest]
+    holes = [ring for number, ring in enumerate(rings) if number != largest]
+    whole = shapely.Polygon(rings[largest], holes) if holes else around
+    return whole if whole.is_valid else around
 
 
 @dataclass(frozen=True)

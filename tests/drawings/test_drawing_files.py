@@ -3,6 +3,7 @@
 import io
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 
 import ezdxf
 import ezdxf.bbox
@@ -95,6 +96,21 @@ def test_svg_is_millimetres_with_one_inkscape_layer_per_operation(paths):
     assert [g.get(f"{INKSCAPE}label") for g in groups] == ["MOUNTAIN", "VALLEY", "CUT"]
     assert all(g.get(f"{INKSCAPE}groupmode") == "layer" for g in groups)
     assert [g.get("stroke") for g in groups] == ["#ff0000", "#0000ff", "#000000"]
+
+
+def test_pages_on_a_bed_are_the_bed_in_every_format(paths):
+    """The place of a line on the page is its place on the bed, from the lower left corner."""
+    on_bed = replace(paths, size_mm=(600.0, 400.0), on_bed=True)
+    root = ElementTree.fromstring(svg_bytes(on_bed, "sheet"))
+    assert (root.get("width"), root.get("height")) == ("600.000000mm", "400.000000mm")
+    assert [float(x) for x in root.get("viewBox").split()] == [0, 0, 600, 400]
+    (page,) = PdfReader(io.BytesIO(pdf_bytes(on_bed, "sheet"))).pages
+    assert [float(x) * 25.4 / 72 for x in page.mediabox] == pytest.approx([0, 0, 600, 400])
+    cut = root.findall(f"{SVG}g")[-1].find(f"{SVG}path").get("d")
+    points = np.array([[float(x) for x in p.split(",")] for p in cut.strip("MZ").split("L")])
+    outline = on_bed.layers[-1].outlines[0]
+    assert points == pytest.approx(outline * [1, -1] + [0, 400], abs=1e-6)
+    assert {g.get("stroke-width") for g in root.findall(f"{SVG}g")} == {"0.1"}
 
 
 NASTY = "a\x00\x1b[31m\n\r\u2028</title><script>&amp;\udcff\ufffe\u202e ü(\\)%"

@@ -181,11 +181,40 @@ def test_copies_of_full_sheets_cost_nothing(monkeypatch):
     assert len(calls) <= 5
 
 
-def test_holes_stay_empty():
+def test_what_is_left_lies_in_a_hole():
     frame = shapely.box(0, 0, 280, 180).difference(shapely.box(30, 30, 250, 150))
-    placements = nest([frame, shapely.box(0, 0, 50, 40)], BED, 2.0)
-    check([frame, shapely.box(0, 0, 50, 40)], placements, BED, 2.0, 1, 0.0)
+    outlines = [frame, shapely.box(0, 0, 50, 40)]
+    placements = nest(outlines, BED, 2.0)
+    (shapes,) = check(outlines, placements, BED, 2.0, 1, 0.0)
+    assert shapely.Polygon(shapes[0].exterior).contains(shapes[1])
+    # the hole has room for eight with their gaps, and no more than for its own part of them
+    placements = nest([frame, shapely.box(0, 0, 54, 58.5)], BED, 0.5, 2)
+    check([frame, shapely.box(0, 0, 54, 58.5)], placements, BED, 0.5, 2, 0.0)
     assert len(placements.used) == 2
+    # a plate as large as the hole does not keep the gap in it
+    plate = [frame, shapely.box(0, 0, 220, 120)]
+    assert len(nest(plate, BED, 2.0).used) == 2
+
+
+@settings(max_examples=12)
+@given(
+    st.integers(0, 2**32 - 1), st.floats(0.1, 5), st.floats(0, 10), st.integers(1, 4)
+)
+def test_pieces_in_holes_keep_their_gaps(seed, gap, margin, count):
+    """Frames with holes of any form, stars, and frames within frames."""
+    random = np.random.default_rng(seed)
+    small = [shapely.Polygon(ring) for ring in stars(count, seed)]
+    outer = shapely.box(0, 0, 250, 150)
+    hole = shapely.Polygon(stars(1, seed)[0])
+    hole = shapely.affinity.scale(hole, 1.5, 1.5, origin=hole.centroid)
+    hole = shapely.affinity.translate(hole, 125 - hole.centroid.x, 75 - hole.centroid.y)
+    frame = outer - hole.intersection(outer.buffer(-2))
+    ring = shapely.box(0, 0, 60, 50) - shapely.box(8, 8, 8 + random.uniform(5, 44), 40)
+    if frame.geom_type != "Polygon":
+        return
+    outlines = [frame, ring, shapely.box(0, 0, 6, 9), *small]
+    placements = nest(outlines, BED, gap, 1, margin)
+    check(outlines, placements, BED, gap, 1, margin)
 
 
 def test_the_same_pieces_give_the_same_bytes():

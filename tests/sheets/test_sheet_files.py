@@ -617,9 +617,9 @@ def test_a_test_card_is_written(folder):
         ((*CARD, "--scale", "-1"), "scale = -1"),
         ((*CARD, "--copies", "0"), "copies = 0"),
         ((*CARD, "--width-mm", "100", "--copies", "20000"), "copies = 20000"),
-        ((*CARD, "--width-mm", "1e-9"), "narrower than the kerf"),
+        ((*CARD, "--width-mm", "1e-9"), "its longer side must be from 0.1"),
         ((*CARD, "--only", "dwg"), "must be among dxf,svg,pdf"),
-        ((*CARD, "--width-mm", "1e9"), "face"),
+        ((*CARD, "--width-mm", "1e9"), "its longer side must be from 0.1"),
     ],
 )
 def test_bad_requests_write_nothing(folder, words, text):
