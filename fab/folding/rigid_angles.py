@@ -2,9 +2,9 @@
 given angle, while all faces stay flat.
 
 The states of a rigid fold are the angles that close around every vertex (belcastro and Hull 2002).
-From a state with the signs of the letters they are followed along the steepest rise of the sum of
-all angles, back to flat and on to the angle that is asked for; every station is brought back to
-closure by Newton's method.
+From a state with the signs of the letters they are followed back to flat, and from there to the
+angle that is asked for, along the steepest rise of the sum of all angles (or, where that ends, of
+the sum of their squares); every station is brought back to closure by Newton's method.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ _MOVES = 1e-6
 _STRIDE_RAD = np.radians(4.0)
 _LEAST_STRIDE_RAD = np.radians(0.01)
 _MOST_STATIONS = 400
-# A crease within this of flat has no sign.
-_FLAT_RAD = np.radians(0.05)
+# Wrong signs within this of flat are rounding.
+_FLAT_RAD = 1e-9
 # A sheet that has come back this far is flat.
 _NEARLY_FLAT_RAD = np.radians(1.0)
 _FULL_DEG = 180.0
@@ -131,7 +131,15 @@ def rigid_angles(
             "The fold angles stay."
         )
         return pattern, [Finding("rigid-fold-missing", Severity.WARNING, text)]
-    end, reached = _folded(creases, flat, np.radians(fold_deg))
+    goal = np.radians(fold_deg)
+    end, reached = _folded(creases, flat, goal, evenly=True)
+    if not reached:
+        again, reached = _folded(creases, flat, goal, evenly=False)
+        end = (
+            max(end, again, key=lambda angles: float(np.abs(angles).max()))
+            if not reached
+            else again
+        )
     if not reached:
         text = (
             "with flat faces the sheet folds until a crease is at "
@@ -232,11 +240,17 @@ def _unfolded(creases: _Creases, angles: FloatArray) -> FloatArray:
     return angles
 
 
-def _folded(creases: _Creases, angles: FloatArray, goal_rad: float) -> tuple[FloatArray, bool]:
-    """The state ahead whose largest angle is the goal, and whether it is reached."""
+def _folded(
+    creases: _Creases, angles: FloatArray, goal_rad: float, *, evenly: bool
+) -> tuple[FloatArray, bool]:
+    """The state ahead whose largest angle is the goal, and whether it is reached.
+
+    evenly : whether all creases are driven alike, or in proportion to their angles.
+    """
     stride = _STRIDE_RAD
     for _ in range(_MOST_STATIONS):
-        rise = _along(creases, angles, np.where(creases.signs, creases.signs, np.sign(angles)))
+        alike = np.where(creases.signs, creases.signs, np.sign(angles))
+        rise = _along(creases, angles, alike if evenly else angles)
         if rise is None:
             break
         ahead = angles + stride * rise
