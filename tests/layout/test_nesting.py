@@ -197,9 +197,7 @@ def test_what_is_left_lies_in_a_hole():
 
 
 @settings(max_examples=12)
-@given(
-    st.integers(0, 2**32 - 1), st.floats(0.1, 5), st.floats(0, 10), st.integers(1, 4)
-)
+@given(st.integers(0, 2**32 - 1), st.floats(0.1, 5), st.floats(0, 10), st.integers(1, 4))
 def test_pieces_in_holes_keep_their_gaps(seed, gap, margin, count):
     """Frames with holes of any form, stars, and frames within frames."""
     random = np.random.default_rng(seed)
