@@ -94,8 +94,8 @@ def lost_in_cp(pattern: CreasePattern) -> tuple[Finding, ...]:
         some = "cuts, joins or unassigned creases have"
         what = "cut, join or unassigned crease has" if len(lost) == 1 else some
         text = (
-            f"{len(lost)} {what} no type in CP files: cuts are written as borders (read them back "
-            "with --inner-border cut), the others as auxiliary lines. Keep the FOLD file."
+            f"{len(lost)} {what} no type in CP files: cuts are written as borders, the others as "
+            "auxiliary lines. Keep the FOLD file."
         )
         out.append(("lost-in-cp", text, lost))
     if len(partial):

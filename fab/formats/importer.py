@@ -52,6 +52,8 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     "letters-contradict".
     """
     options = ReadOptions() if options is None else options
+    if soup.border_is_cut:
+        options = replace(options, inner_border="cut")
     findings = list(soup.findings)
     scale = soup.mm_per_unit
     if scale is None:

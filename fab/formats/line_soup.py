@@ -42,6 +42,8 @@ class LineSoup:
         "line 17".
     mm_per_unit : millimetres per unit of the drawing; None where it names no unit.
     findings : what the reader left out, assumed or approximated.
+    border_is_cut : whether the format has one letter for borders and cuts, so that a border within
+        the sheet is a cut.
     """
 
     path: Path
@@ -53,3 +55,4 @@ class LineSoup:
     elements: tuple[str, ...]
     mm_per_unit: float | None
     findings: tuple[Finding, ...] = ()
+    border_is_cut: bool = False

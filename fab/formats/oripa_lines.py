@@ -43,7 +43,8 @@ def oripa_soup(
     kinds : names of the types: border, mountain, valley, auxiliary or unassigned. Other types are
         auxiliary lines, with a finding.
 
-    Letters are those of the names, unless the options give another one. Raises `InvalidFile` where
+    Letters are those of the names, unless the options give another one. Borders within the sheet
+    are cuts: ORIPA calls their type "cut". Raises `InvalidFile` where
     there are no lines, and for numbers that are not finite. Codes of the findings: "line-type",
     "auxiliary-lines".
     """
@@ -93,4 +94,5 @@ def oripa_soup(
         tuple(elements),
         None,
         tuple(out),
+        border_is_cut=True,
     )

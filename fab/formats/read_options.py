@@ -27,7 +27,8 @@ class ReadOptions:
     colours : letters by colour ("#rrggbb", lower case) or by the name of a layer or class, which
         come before the format's customs.
     border : "drawn", or "hull": the convex hull of all lines where no border is drawn.
-    inner_border : what a border with faces on both sides is: "refuse" or "cut".
+    inner_border : what a border with faces on both sides is: "refuse" or "cut". In formats that
+        have one letter for both it is a cut.
     assign : give letters to creases without one (U) where flat folding leaves one possibility only.
     fold_deg : fold angle of mountains and valleys that have none; None: 180.
     rigid : take the fold angles of a rigid fold up to `fold_deg`. Readers leave that to commands:

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
+
 from fab.errors import Finding, Severity
 from fab.formats.read_options import ReadOptions
+from fab.pattern.crease_pattern import CreasePattern
 
-__all__ = ["unit_named", "unit_unknown"]
+__all__ = ["sheet_small", "unit_named", "unit_unknown"]
 
 _SAME_REL = 1e-9
+# Sheets of files without a unit that are smaller than this are probably of another unit, mm.
+_SMALL_MM = 20.0
 
 
 def unit_unknown(what: str, mm: float) -> Finding:
@@ -29,3 +36,18 @@ def unit_named(mm: float, options: ReadOptions) -> list[Finding]:
         f"{given / mm:.6g} for units of {given:.6g} mm."
     )
     return [Finding("unit-named", Severity.NOTE, text)]
+
+
+def sheet_small(findings: Sequence[Finding], pattern: CreasePattern) -> list[Finding]:
+    """The finding of a sheet so small that the unit which its file does not name is another one.
+
+    findings : of the file's reader.
+    """
+    sides = np.ptp(pattern.vertices_coords, axis=0)
+    if sides.max() >= _SMALL_MM or all(finding.code != "unit-unknown" for finding in findings):
+        return []
+    text = (
+        f"the file names no unit, and the sheet is only {sides[0]:.4g} x {sides[1]:.4g} mm large. "
+        "Give its longer side with --width-mm, such as --width-mm 100."
+    )
+    return [Finding("sheet-small", Severity.WARNING, text)]

@@ -13,6 +13,7 @@ from fab.formats.pattern_file import PatternFile, resized
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file
 from fab.formats.strictness import require_no_repairs
+from fab.formats.units import sheet_small
 from fab.pattern.crease_pattern import CreasePattern
 from solver.errors import InvalidValue
 
@@ -76,8 +77,13 @@ def read_sheet(
 ) -> PatternFile:
     """The pattern in a file in the size asked for: to make things of.
 
+    A sheet that is small because its file names no unit is reported as "sheet-small".
+
     Raises `InvalidFile` for sizes that nothing can be made of, `InvalidJob` for two sizes.
     """
     read = resized(read_any([path], options), width_mm=width_mm, factor=factor)
     require_sheet_size(path, read.pattern)
-    return read
+    if width_mm is not None or factor is not None:
+        return read
+    small = sheet_small(read.findings, read.pattern)
+    return replace(read, findings=(*read.findings, *small))

@@ -357,8 +357,7 @@ def test_patterns_through_the_importer(file, tmp_path):
     dialect, source = FILES[file]
     path = tmp_path / file
     path.write_bytes(dialect.write(source))
-    slits = source.name == "popup" and dialect.letters.get("C") == "B"
-    options = ReadOptions(inner_border="cut", colours={"border": "C"} if slits else {})
+    options = ReadOptions(inner_border="cut")
     pattern = pattern_of_lines(READERS[dialect.ending](path, options), options).pattern
     wanted = dialect.kept(source)
     lines = pattern.vertices_coords[pattern.edges_vertices]
