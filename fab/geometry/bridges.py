@@ -13,6 +13,8 @@ from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["bridges"]
 
+# Over the region: bridges are so far from other vertices.
+_CLEARANCE_REL = 1e-6
 # Up to this many corners all pairs are tried, beyond it the nearest ones of each.
 _ALL_PAIRS = 300
 _NEAREST = 12
@@ -191,6 +193,14 @@ def _visible(
     blocked[single] = (np.abs(turn) <= 1e-12 * size) & ((first * second).sum(axis=1) > 0)
     out = np.ones(len(pairs), bool)
     out[pair[blocked]] = False
+    # nor do they pass a vertex so near that its digits decide on which side
+    vertices = np.unique(lines)
+    near = _CLEARANCE_REL * float(np.ptp(coords[vertices], axis=0).max(initial=0.0))
+    points = shapely.STRtree(shapely.points(coords[vertices]))
+    shapes = shapely.linestrings(coords[pairs])
+    pair, place = points.query(shapes, predicate="dwithin", distance=near)
+    passed = (pairs[pair] != vertices[place][:, None]).all(axis=1)
+    out[pair[passed]] = False
     return out
 
 

@@ -26,7 +26,7 @@ LONGEST_S = 10.0
 # Over the drawing.
 _ROUNDING = 1e-9
 # Findings of lines that are not in the pattern.
-_LEFT_OUT = {"line-outside", "zero-length-line", "zero-length-edge"}
+_LEFT_OUT = {"page-frame", "line-outside", "zero-length-line", "zero-length-edge"}
 
 
 class TooSlow(Exception):
