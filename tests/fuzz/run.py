@@ -19,9 +19,9 @@ from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent.parent), str(Path(__file__).parent.parent.parent)]
 
-import numpy as np  # noqa: E402
-from fuzz.oracle import Outcome, options_of, outcome_of  # noqa: E402
-from fuzz.seeds import KINDS, fuzzed  # noqa: E402
+import numpy as np
+from fuzz.oracle import Outcome, options_of, outcome_of
+from fuzz.seeds import KINDS, fuzzed
 
 _MORE_BYTES = 10**9
 
