@@ -1,0 +1,167 @@
+"""A pleated sheet relaxed onto a surface, from coarse to fine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.mesh import QuadMesh
+from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
+from solver.relaxation.method import Relaxation, relax
+from solver.relaxation.minimisation import Soft
+from solver.relaxation.neighbours import opposite_pairs, sides
+from solver.relaxation.objectives import FoldBounds, LeastDistances, SideLengths, SurfaceOffsets
+from solver.relaxation.pleats import PleatedSheet, prolonged
+from solver.relaxation.terms import Term
+from solver.targets.base import Target
+from solver.vectors import BoolArray, FloatArray
+
+__all__ = ["SheetFit", "Wishes", "relaxed_sheet"]
+
+# Sheets of more rows than this begin with one of half the resolution.
+_ROWS_AT_ONCE = 30
+# A coarse sheet need not be exact: rounds that it has at most.
+_COARSE_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """Soft terms of a sheet on a surface, and whether it folds rigidly.
+
+    Attributes
+    ----------
+    rigid : whether all vertices are flat-foldable too, a hard term: no freedom is left inside the
+        sheet, which then follows the surface only about.
+    least_span : least distance of vertices two apart, over that in the cell.
+    most_fold : largest fold angle, radians; None for no bound.
+    offset, side, span, fold : weights of the soft terms.
+    """
+
+    rigid: bool = False
+    least_span: float = 0.4
+    most_fold: float | None = None
+    offset: float = 1.0
+    side: float = 1e-2
+    span: float = 1.0
+    fold: float = 1.0
+
+
+@dataclass(frozen=True)
+class SheetFit:
+    """A sheet on a surface.
+
+    Attributes
+    ----------
+    mesh : the sheet. relaxation : how it was found; of the finest level.
+    deviations : signed distances of the held vertices from their offsets, in steps of the cell,
+        shape (n,). coarse_rounds : rounds of all coarser levels together.
+    """
+
+    mesh: QuadMesh
+    relaxation: Relaxation
+    deviations: FloatArray
+    coarse_rounds: int
+
+
+def relaxed_sheet(
+    target: Target,
+    sheet: PleatedSheet,
+    wishes: Wishes | None = None,
+    *,
+    held: BoolArray | None = None,
+    start: FloatArray | None = None,
+    rounds: int = 200,
+    progress: Callable[[int, float], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
+) -> SheetFit:
+    """The sheet whose faces are planar, vertices developable, nearest to its offsets and cell.
+
+    Parameters
+    ----------
+    wishes : soft terms; None for the usual ones.
+    held : vertices that follow the surface, shape (R C,); None for all. Others, such as those
+        beyond its rim, only continue the sheet.
+    start : coordinates to begin with, shape (R C, 3); None: the sheet on its offsets, or, with
+        more than 30 rows, as a relaxed sheet of half the resolution has it.
+    rounds, progress, interrupted : see `relax`; the last two are of the coarser levels too.
+
+    >>> from solver.relaxation import pleated_patch
+    >>> from solver.targets import explicit_surface
+    >>> bump = explicit_surface(lambda x, y: 0.3 * np.exp(-2 * (x**2 + y**2)))
+    >>> sheet = pleated_patch(bump, 8, zigzag=1.5, spacing=1.2, thickness=1.2)
+    >>> fit = relaxed_sheet(bump, sheet)
+    >>> fit.relaxation.status, bool(np.abs(fit.deviations).mean() < 0.01)
+    (<RelaxationStatus.RELAXED: 'relaxed'>, True)
+    """
+    wishes = wishes or Wishes()
+    coarse_rounds = 0
+    if start is None:
+        start = sheet.points(target)
+        if sheet.shape[0] > _ROWS_AT_ONCE:
+            half = sheet.halved()
+            coarse = relaxed_sheet(
+                target,
+                half,
+                wishes,
+                held=None if held is None else _resampled(held, sheet, half),
+                rounds=min(rounds, _COARSE_ROUNDS),
+                progress=progress,
+                interrupted=interrupted,
+            )
+            coarse_rounds = coarse.coarse_rounds + coarse.relaxation.rounds
+            start = prolonged(half, coarse.relaxation.coords, sheet, target)
+    hard, soft = _terms(target, sheet, wishes, held)
+    done = relax(
+        start,
+        hard,
+        soft,
+        sheet.cell.step,
+        rounds=rounds,
+        progress=progress,
+        interrupted=interrupted,
+    )
+    return SheetFit(sheet.mesh(done.coords), done, done.soft_values[0], coarse_rounds)
+
+
+def _terms(
+    target: Target, sheet: PleatedSheet, wishes: Wishes, held: BoolArray | None
+) -> tuple[list[Term], list[Soft]]:
+    first = sheet.points(target)
+    faces, count = sheet.mesh(first).faces_vertices, len(first)
+    hard: list[Term] = [PlanarFaces(faces), DevelopableVertices.of(faces, count)]
+    if wishes.rigid:
+        hard.append(FlatFoldableVertices.of(faces, count))
+    followed = np.arange(count) if held is None else np.flatnonzero(held)
+    edges, spans = sides(faces), opposite_pairs(faces, count)
+    soft = [
+        Soft(
+            SurfaceOffsets(
+                target,
+                followed[:, None],
+                sheet.offsets[followed],
+                sheet.cell.step,
+                target.places(sheet.uv[followed]),
+            ),
+            wishes.offset,
+        ),
+        Soft(SideLengths(edges, sheet.side_lengths(edges)), wishes.side),
+        Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.span),
+    ]
+    if wishes.most_fold is not None:
+        soft.append(Soft(FoldBounds.of(faces, first, wishes.most_fold), wishes.fold))
+    return hard, soft
+
+
+def _resampled(held: BoolArray, fine: PleatedSheet, coarse: PleatedSheet) -> BoolArray:
+    """The vertices of the coarse sheet whose nearest ones in the fine sheet are held."""
+    (R, C), (rows, columns) = fine.shape, coarse.shape
+    down = np.rint(np.linspace(0, R - 1, rows)).astype(int)
+    across = (
+        np.linspace(0, C, columns, endpoint=False)
+        if fine.closed
+        else np.linspace(0, C - 1, columns)
+    )
+    grid = held.reshape(R, C)[down][:, np.rint(across).astype(int) % C]
+    return np.asarray(grid.ravel())
