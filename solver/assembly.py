@@ -90,8 +90,8 @@ class NormalAssembly:
             part = slots[begin : begin + len(high)]
             begin += len(high)
             used = np.flatnonzero(part < number)
-            entries = np.ones(len(used)), (part[used], used)
-            sums = csr_array(entries, shape=(number, len(part)))
+            ones = np.ones(len(used))
+            sums = csr_array((ones, (part[used], used)), shape=(number, len(part)))
             groups.append(_Group(order, *np.tril_indices(group.shape[1]), sums))
         triangle, entries = _expanded(blocks)
         return cls(count, triangle, tuple(vertices), tuple(groups), entries)

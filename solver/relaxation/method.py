@@ -10,19 +10,19 @@ import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count, require_positive
 from solver.relaxation.minimisation import Descent, Soft, minimised
-from solver.relaxation.projection import projected
+from solver.relaxation.projection import Projection, projected
 from solver.relaxation.terms import Term
 from solver.vectors import FloatArray, points
 
 __all__ = ["Relaxation", "RelaxationStatus", "relax"]
 
-# Hard residuals from which the projection converges at once, and with which a sheet counts as exact.
+# Hard residuals from which the projection converges at once, and with which a sheet is exact.
 _NEAR = 1e-6
 _EXACT = 1e-12
 
 
 class RelaxationStatus(StrEnum):
-    """How relaxation ended. Everything but RELAXED leaves a sheet that is not exact, with advice."""
+    """How relaxation ended. Everything but RELAXED leaves an inexact sheet, with advice."""
 
     RELAXED = "relaxed"
     NOT_CONVERGED = "not_converged"
@@ -105,21 +105,21 @@ def relax(
         here, history, end = _searched(coords, hard, soft, step, rounds, progress, interrupted)
     done = len(history) - 1
     if end is RelaxationStatus.STOPPED:
-        shape, residuals = here.coords, (here.residual,)
+        onto = Projection(here.coords, (here.residual,))
     else:
         onto = projected(here.coords, hard, step)
-        shape, residuals = onto.coords, onto.residuals
-        if residuals[-1] <= _EXACT:
+        if onto.residuals[-1] <= _EXACT:
             end = RelaxationStatus.RELAXED
-    values = tuple(linear.term.linearised(shape).values for linear in here.soft)
+    values = tuple(linear.term.linearised(onto.coords).values for linear in here.soft)
+    residual = onto.residuals[-1]
     return Relaxation(
-        shape,
+        onto.coords,
         end,
-        _advice(end, done, residuals[-1]),
+        _advice(end, done, residual),
         done,
-        residuals[-1],
+        residual,
         history,
-        residuals,
+        onto.residuals,
         values,
     )
 

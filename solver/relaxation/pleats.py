@@ -5,12 +5,14 @@ columns of a tube. Along a line the vertices zigzag within the surface, and the 
 below and above it: creases along them are valleys and mountains in turn, as in a Miura sheet, whose
 cell has four lengths.
 
-            .       .
-           / \\     / \\             line 2, below     spacing   : from line to line
-          /   \\   /   \\                              zigzag    : swing of a line
-      .  '  .  ' '  .  '          line 1, above      step      : from vertex to vertex along it
-       \\   / \\   / \\                                 thickness : of the sheet, between both offsets
-        \\ /   \\ /   \\             line 0, below
+    o   o   o   o       line 2, below      step      : from vertex to vertex along a line
+     o   o   o          (its zigzag)       zigzag    : swing of a line
+                                           spacing   : from line to line
+    o   o   o   o       line 1, above      thickness : from the lower to the upper offset
+     o   o   o
+
+    o   o   o   o       line 0, below
+     o   o   o
 
 Such sheets are made to follow surfaces by optimisation in L. H. Dudte, E. Vouga, T. Tachi and
 L. Mahadevan, "Programming curvature using origami tessellations", Nature Materials 15 (2016).
@@ -105,7 +107,7 @@ class PleatedSheet:
         """1 and -1 in turn along each line, and from line to line, each of shape (R, C)."""
         rows, columns = np.indices(self.shape)
         along, across = (rows, columns) if self.closed else (columns, rows)
-        return (-1.0) ** along, -((-1.0) ** across)
+        return np.where(along % 2, -1.0, 1.0), np.where(across % 2, 1.0, -1.0)
 
     @property
     def uv(self) -> FloatArray:
@@ -292,7 +294,8 @@ def _interpolated(
     i, j = (np.minimum(x.astype(int), n - 2) for x, n in ((down, R), (across, field.shape[1])))
     s, t = (down - i)[:, None, None], (across - j)[:, None]
     out: FloatArray = (1 - s) * ((1 - t) * field[i][:, j] + t * field[i][:, j + 1])
-    return out + s * ((1 - t) * field[i + 1][:, j] + t * field[i + 1][:, j + 1])
+    out += s * ((1 - t) * field[i + 1][:, j] + t * field[i + 1][:, j + 1])
+    return out
 
 
 def _smoothed(field: FloatArray, closed: bool) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 
 from solver.relaxation.terms import Term, largest
 from solver.sparse import SymmetricSystem, Triangle
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["Projection", "projected"]
 
@@ -82,7 +82,7 @@ def projected(coords: FloatArray, hard: Sequence[Term], step: float) -> Projecti
     return Projection(best, tuple(residuals) or (np.inf,))
 
 
-def _sparsity(unknowns: int, hard: Sequence[Term]) -> tuple[Triangle, FloatArray]:
+def _sparsity(unknowns: int, hard: Sequence[Term]) -> tuple[Triangle, IntArray]:
     """That of the system, and the slots of its diagonal and then of all gradients."""
     rows, columns = [], []
     begin = unknowns

@@ -35,13 +35,13 @@ class Wishes:
     rigid : whether all vertices are flat-foldable too, a hard term: no freedom is left inside the
         sheet, which then follows the surface only about.
     least_span : least distance of vertices two apart, over that in the cell.
-    most_fold : largest fold angle, radians; None for no bound.
+    most_fold : largest fold angle, radians, or None: beyond 160 degrees pleats soon cross.
     offset, side, span, fold : weights of the soft terms.
     """
 
     rigid: bool = False
     least_span: float = 0.4
-    most_fold: float | None = None
+    most_fold: float | None = 8 * np.pi / 9
     offset: float = 1.0
     side: float = 1e-2
     span: float = 1.0
