@@ -7,7 +7,7 @@ exact to rounding and soft ones as small as can be.
 | terms | module |
 |---|---|
 | `PlanarFaces`, `DevelopableVertices`, `FlatFoldableVertices`: hard | `constraints` |
-| `SurfaceOffsets`, `SideLengths`, `LeastDistances`, `FoldBounds`: soft | `objectives` |
+| `SurfaceOffsets`, `RimReach`, `SideLengths`, `LeastDistances`, `FoldBounds`: soft | `objectives` |
 | any class with the attributes of `Term` | `terms` |
 
 `relax` takes terms and a start, `relaxed_sheet` a surface (`solver.targets`) and a `PleatedSheet`
@@ -23,7 +23,13 @@ quadrilateral mesh origami", Journal of the IASS 50 (2009).
 from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
 from solver.relaxation.method import Relaxation, RelaxationStatus, relax
 from solver.relaxation.minimisation import Soft
-from solver.relaxation.objectives import FoldBounds, LeastDistances, SideLengths, SurfaceOffsets
+from solver.relaxation.objectives import (
+    FoldBounds,
+    LeastDistances,
+    RimReach,
+    SideLengths,
+    SurfaceOffsets,
+)
 from solver.relaxation.pleats import Cell, PleatedSheet, pleated_patch, pleated_tube, prolonged
 from solver.relaxation.sheet_fit import SheetFit, Wishes, relaxed_sheet
 from solver.relaxation.terms import Linear, Term
@@ -39,6 +45,7 @@ __all__ = [
     "PleatedSheet",
     "Relaxation",
     "RelaxationStatus",
+    "RimReach",
     "SheetFit",
     "SideLengths",
     "Soft",

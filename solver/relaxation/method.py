@@ -137,6 +137,8 @@ def _searched(
     history: list[float] = []
     search = minimised(coords, hard, soft, step)
     for here in search:
+        if not here.moved:
+            break
         if not history:
             _require_values(here)
         elif progress is not None:

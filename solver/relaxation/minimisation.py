@@ -29,7 +29,7 @@ _LITTLE_GAIN = 0.02
 _HARDER = 3.0
 _MOST_WEIGHT = 1e8
 # A sum of squares of this size for each vertex is rounding.
-_NOTHING = 1e-28
+_NOTHING = 1e-26
 
 
 @dataclass(frozen=True)

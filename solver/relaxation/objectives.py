@@ -1,4 +1,4 @@
-"""Soft terms: offsets from a surface, side lengths, least distances, bounds of fold angles."""
+"""Soft terms: offsets from a surface, its rim, side lengths, least distances, fold angles."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ from solver.relaxation.terms import Linear
 from solver.targets.base import Target
 from solver.vectors import FloatArray, IntArray, cross, dot, norm
 
-__all__ = ["FoldBounds", "LeastDistances", "SideLengths", "SurfaceOffsets", "fold_angles"]
+__all__ = [
+    "FoldBounds",
+    "LeastDistances",
+    "RimReach",
+    "SideLengths",
+    "SurfaceOffsets",
+    "fold_angles",
+]
 
 
 @dataclass(frozen=True)
@@ -39,6 +46,37 @@ class SurfaceOffsets:
         distances, normals, places = self.target.distance(held, self.places)
         values = (distances - self.offsets) / self.step
         return Linear(values, normals[:, None] / self.step, replace(self, places=places))
+
+
+@dataclass(frozen=True)
+class RimReach:
+    """By how much vertices fall short of planes, in steps, negative; 0 beyond them.
+
+    With planes across a surface's rim, a sheet goes on covering it: else pleats close wherever the
+    surface is narrower than the sheet is wide, and the sheet draws back over it.
+
+    Attributes
+    ----------
+    vertices : shape (n, 1), a vertex may repeat. directions : unit normals of the planes, outwards,
+        shape (n, 3). points : of the planes, shape (n, 3). step : unit of the residuals.
+
+    >>> rim = RimReach(np.array([[0]]), np.array([[1.0, 0, 0]]), np.array([[2.0, 0, 0]]), 0.5)
+    >>> short, beyond = (np.array([[x, 7.0, 7.0]]) for x in (1.0, 3.0))
+    >>> rim.linearised(short).values.tolist(), rim.linearised(beyond).values.tolist()
+    ([-2.0], [0.0])
+    """
+
+    vertices: IntArray
+    directions: FloatArray
+    points: FloatArray
+    step: float
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        reach = dot(coords[self.vertices[:, 0]] - self.points, self.directions) / self.step
+        short = reach < 0
+        slopes = (self.directions * short[:, None] / self.step)[:, None]
+        return Linear(np.where(short, reach, 0.0), slopes, self)
 
 
 @dataclass(frozen=True)

@@ -166,7 +166,7 @@ class PleatedSheet:
         """The sheet with half as many faces in either direction (as many lines around: even)."""
         R, C = self.shape
         around = 2 * max(2, round(C / 4))
-        return self.resized(max(3, R // 2 + 1), around if self.closed else max(3, C // 2 + 1))
+        return self.resized(max(4, R // 2 + 1), around if self.closed else max(4, C // 2 + 1))
 
 
 def pleated_patch(
@@ -304,7 +304,7 @@ def _smoothed(field: FloatArray, closed: bool) -> FloatArray:
         f = np.moveaxis(field, axis, 0)
         mean = (np.roll(f, 1, axis=0) + np.roll(f, -1, axis=0)) / 4 + f / 2
         if not (closed and axis == 1):
-            mean[0] = 0.75 * f[0] + 0.5 * f[1] - 0.25 * f[2]
-            mean[-1] = 0.75 * f[-1] + 0.5 * f[-2] - 0.25 * f[-3]
+            mean[0] = f[0] / 2 + 0.75 * f[1] - f[3] / 4
+            mean[-1] = f[-1] / 2 + 0.75 * f[-2] - f[-4] / 4
         field = np.moveaxis(mean, 0, axis)
     return field

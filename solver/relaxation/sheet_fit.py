@@ -12,11 +12,17 @@ from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVerti
 from solver.relaxation.method import Relaxation, relax
 from solver.relaxation.minimisation import Soft
 from solver.relaxation.neighbours import opposite_pairs, sides
-from solver.relaxation.objectives import FoldBounds, LeastDistances, SideLengths, SurfaceOffsets
+from solver.relaxation.objectives import (
+    FoldBounds,
+    LeastDistances,
+    RimReach,
+    SideLengths,
+    SurfaceOffsets,
+)
 from solver.relaxation.pleats import PleatedSheet, prolonged
 from solver.relaxation.terms import Term
 from solver.targets.base import Target
-from solver.vectors import BoolArray, FloatArray
+from solver.vectors import BoolArray, FloatArray, unit
 
 __all__ = ["SheetFit", "Wishes", "relaxed_sheet"]
 
@@ -34,17 +40,21 @@ class Wishes:
     ----------
     rigid : whether all vertices are flat-foldable too, a hard term: no freedom is left inside the
         sheet, which then follows the surface only about.
+    least_side : least length of sides, over that in the cell.
     least_span : least distance of vertices two apart, over that in the cell.
-    most_fold : largest fold angle, radians, or None: beyond 160 degrees pleats soon cross.
-    offset, side, span, fold : weights of the soft terms.
+    most_fold : largest fold angle, radians, or None: beyond 165 degrees pleats soon cross.
+    offset, rim, side, least, fold : weights of the soft terms; `least` is that of both least
+        distances.
     """
 
     rigid: bool = False
-    least_span: float = 0.4
-    most_fold: float | None = 8 * np.pi / 9
+    least_side: float = 0.4
+    least_span: float = 0.2
+    most_fold: float | None = 11 * np.pi / 12
     offset: float = 1.0
-    side: float = 1e-2
-    span: float = 1.0
+    rim: float = 0.1
+    side: float = 3e-3
+    least: float = 1.0
     fold: float = 1.0
 
 
@@ -135,6 +145,7 @@ def _terms(
         hard.append(FlatFoldableVertices.of(faces, count))
     followed = np.arange(count) if held is None else np.flatnonzero(held)
     edges, spans = sides(faces), opposite_pairs(faces, count)
+    lengths = sheet.side_lengths(edges)
     soft = [
         Soft(
             SurfaceOffsets(
@@ -146,12 +157,26 @@ def _terms(
             ),
             wishes.offset,
         ),
-        Soft(SideLengths(edges, sheet.side_lengths(edges)), wishes.side),
-        Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.span),
+        Soft(SideLengths(edges, lengths), wishes.side),
+        Soft(LeastDistances(edges, wishes.least_side * lengths), wishes.least),
+        Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.least),
     ]
+    if wishes.rim:
+        soft.append(Soft(_rim(sheet, first), wishes.rim))
     if wishes.most_fold is not None:
         soft.append(Soft(FoldBounds.of(faces, first, wishes.most_fold), wishes.fold))
     return hard, soft
+
+
+def _rim(sheet: PleatedSheet, first: FloatArray) -> RimReach:
+    """Planes through the first points of the rim's vertices, across the sheet there."""
+    number = np.arange(len(first)).reshape(sheet.shape)
+    ends = [(number[0], number[2]), (number[-1], number[-3])]
+    if not sheet.closed:
+        ends += [(number[:, 0], number[:, 2]), (number[:, -1], number[:, -3])]
+    at, behind = (np.concatenate([pair[k] for pair in ends]) for k in (0, 1))
+    points = first[at]
+    return RimReach(at[:, None], unit(points - first[behind]), points, sheet.cell.step)
 
 
 def _resampled(held: BoolArray, fine: PleatedSheet, coarse: PleatedSheet) -> BoolArray:
