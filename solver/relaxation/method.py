@@ -17,7 +17,7 @@ from solver.vectors import FloatArray, points
 __all__ = ["Relaxation", "RelaxationStatus", "relax"]
 
 # Hard residuals from which the projection converges at once, and with which a sheet is exact.
-_NEAR = 1e-6
+_NEAR = 1e-5
 _EXACT = 1e-12
 
 

@@ -1,4 +1,9 @@
-"""A pleated sheet relaxed onto a surface, from coarse to fine."""
+"""A pleated sheet relaxed onto a surface, from coarse to fine.
+
+Large zigzags (two or three steps) reach furthest on domes: each cell can then be much wider or
+narrower than others without its folds closing. A hemisphere is covered so by up to 40 columns; with
+60 and more the search from a stereographic map ends stuck or with faces that cross.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +29,7 @@ from solver.relaxation.terms import Term
 from solver.targets.base import Target
 from solver.vectors import BoolArray, FloatArray, unit
 
-__all__ = ["SheetFit", "Wishes", "relaxed_sheet"]
+__all__ = ["SheetFit", "Wishes", "relaxed_sheet", "sheet_terms"]
 
 # Sheets of more rows than this begin with one of half the resolution.
 _ROWS_AT_ONCE = 30
@@ -44,7 +49,8 @@ class Wishes:
     least_span : least distance of vertices two apart, over that in the cell.
     most_fold : largest fold angle, radians, or None: beyond 165 degrees pleats soon cross.
     offset, rim, side, least, fold : weights of the soft terms; `least` is that of both least
-        distances.
+        distances. With rim = 0 a sheet may draw back from the rim of its surface, far so where the
+        surface is domed, and is nearer to its offsets for it.
     """
 
     rigid: bool = False
@@ -122,7 +128,7 @@ def relaxed_sheet(
             )
             coarse_rounds = coarse.coarse_rounds + coarse.relaxation.rounds
             start = prolonged(half, coarse.relaxation.coords, sheet, target)
-    hard, soft = _terms(target, sheet, wishes, held)
+    hard, soft = sheet_terms(target, sheet, wishes, held)
     done = relax(
         start,
         hard,
@@ -135,9 +141,13 @@ def relaxed_sheet(
     return SheetFit(sheet.mesh(done.coords), done, done.soft_values[0], coarse_rounds)
 
 
-def _terms(
-    target: Target, sheet: PleatedSheet, wishes: Wishes, held: BoolArray | None
+def sheet_terms(
+    target: Target, sheet: PleatedSheet, wishes: Wishes, held: BoolArray | None = None
 ) -> tuple[list[Term], list[Soft]]:
+    """Hard and soft terms of a sheet on a surface; the first soft one is that of its offsets.
+
+    held : see `relaxed_sheet`.
+    """
     first = sheet.points(target)
     faces, count = sheet.mesh(first).faces_vertices, len(first)
     hard: list[Term] = [PlanarFaces(faces), DevelopableVertices.of(faces, count)]
