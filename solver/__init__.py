@@ -24,6 +24,8 @@ Growth on a part of a front and around a corner, S1 B.1
     `grow_part`, `grow_corner`, `grow_pentagon`, `CornerStrip`; module `corner`.
 Surface fitting, S4
     `fit_surface`, and the surfaces of `solver.targets`; module `fitting`.
+Relaxation: all vertices of a sheet at once, onto any surface
+    `relax`, `relaxed_sheet` and their terms; package `solver.relaxation`.
 Designs of the figures
     `Miura`, `CurvedFold` and the others of `DESIGNS`; package `solver.designs`.
 Exactness of the result

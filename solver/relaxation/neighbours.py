@@ -1,0 +1,109 @@
+"""Neighbours in a quad mesh: rings around vertices, opposite vertices, hinges.
+
+    around an interior vertex v, counterclockwise       a hinge: an edge between two faces
+    seen from the upper side:
+             2
+             |                                                     end
+          3--v--1                                       first face | second face
+             |                                                   start
+             0
+
+All are found from `faces_vertices` alone, shape (nf, 4), whether the mesh is a grid, a tube or
+neither.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.graphs import EdgeIndex
+from solver.mesh import edges_of, interior_vertices
+from solver.vectors import IntArray
+
+__all__ = ["hinges", "opposite_pairs", "sides", "vertex_rings"]
+
+
+def sides(faces_vertices: IntArray) -> IntArray:
+    """Unique sides of the faces, shape (ne, 2), in the order in which the faces name them."""
+    offsets = 4 * np.arange(len(faces_vertices) + 1)
+    return edges_of(faces_vertices.ravel(), offsets).edges_vertices
+
+
+def vertex_rings(faces_vertices: IntArray, count: int) -> IntArray:
+    """Each interior vertex and its neighbours, counterclockwise, shape (n, 1 + k).
+
+    count : number of vertices. k is the largest number of neighbours, or 4 if that is more; rows
+    with fewer neighbours end with -1.
+
+    >>> faces = np.array([[0, 1, 4, 3], [1, 2, 5, 4], [3, 4, 7, 6], [4, 5, 8, 7]])
+    >>> vertex_rings(faces, 9).tolist()
+    [[4, 3, 1, 5, 7]]
+    """
+    inside = np.flatnonzero(interior_vertices(faces_vertices, count))
+    corner, after, before = _corners(faces_vertices)
+    valence = np.bincount(corner, minlength=count)[inside]
+    rings = np.full((len(inside), 1 + int(valence.max(initial=4))), -1)
+    if not len(inside):
+        return rings
+    index = EdgeIndex.of(np.column_stack([corner, after]), count, directed=True)
+    rings[:, 0] = inside
+    first = np.full(count, -1)
+    first[corner[::-1]] = after[::-1]
+    rings[:, 1] = first[inside]
+    for k in range(2, rings.shape[1]):
+        going = valence >= k
+        sector = index.find(rings[going][:, [0, k - 1]])
+        rings[going, k] = before[sector]
+    return rings
+
+
+def opposite_pairs(faces_vertices: IntArray, count: int) -> IntArray:
+    """Vertices two apart along a grid line, each pair once, shape (n, 2).
+
+    They are opposite each other around an interior vertex of four faces, or along the boundary
+    around a vertex of two.
+
+    >>> faces = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    >>> opposite_pairs(faces, 6).tolist()
+    [[0, 2], [5, 3]]
+    """
+    rings = vertex_rings(faces_vertices, count)
+    regular = rings[(rings >= 0).sum(axis=1) == 5]
+    inner = regular[:, [1, 3, 2, 4]].reshape(-1, 2)
+    corner, after, before = _corners(faces_vertices)
+    boundary = ~interior_vertices(faces_vertices, count) & (
+        np.bincount(corner, minlength=count) == 2
+    )
+    # of the two sectors at such a vertex one begins and the other one ends at the boundary
+    starts = ~np.isin(corner * count + after, corner * count + before) & boundary[corner]
+    ends = ~np.isin(corner * count + before, corner * count + after) & boundary[corner]
+    begin, end = np.full(count, -1), np.full(count, -1)
+    begin[corner[starts]], end[corner[ends]] = after[starts], before[ends]
+    outer = np.column_stack([end[boundary], begin[boundary]])
+    return np.concatenate([inner, outer])
+
+
+def hinges(faces_vertices: IntArray) -> IntArray:
+    """Start and end of each inner edge, and a corner of either face beyond it, shape (n, 4).
+
+    The edge runs in the direction of its first face, which is on its left; the third vertex is the
+    one before the start in the first face, the fourth the one after it in the second.
+
+    >>> hinges(np.array([[0, 1, 4, 3], [1, 2, 5, 4]])).tolist()
+    [[1, 4, 0, 2]]
+    """
+    offsets = 4 * np.arange(len(faces_vertices) + 1)
+    edges = edges_of(faces_vertices.ravel(), offsets)
+    inner = edges.edges_faces[:, 1] >= 0
+    ends, beside = edges.edges_vertices[inner], faces_vertices[edges.edges_faces[inner]]
+    rows = np.arange(len(ends))
+    start = (beside == ends[:, :1, None]).argmax(axis=2)
+    first = beside[rows, 0, (start[:, 0] + 3) % 4]
+    second = beside[rows, 1, (start[:, 1] + 1) % 4]
+    return np.column_stack([ends, first, second])
+
+
+def _corners(faces_vertices: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Corners of all faces with the vertices after and before them."""
+    after, before = np.roll(faces_vertices, -1, axis=1), np.roll(faces_vertices, 1, axis=1)
+    return faces_vertices.ravel(), after.ravel(), before.ravel()

@@ -1,0 +1,203 @@
+"""Soft terms: offsets from a surface, its rim, side lengths, least distances, fold angles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.relaxation.neighbours import hinges
+from solver.relaxation.terms import Linear
+from solver.targets.base import Target
+from solver.vectors import FloatArray, IntArray, cross, dot, norm
+
+__all__ = [
+    "FoldBounds",
+    "LeastDistances",
+    "RimReach",
+    "SideLengths",
+    "SurfaceOffsets",
+    "fold_angles",
+]
+
+
+@dataclass(frozen=True)
+class SurfaceOffsets:
+    """Signed distances of vertices from a surface, less the wanted ones, in steps.
+
+    The gradient is the surface's unit normal at the nearest point.
+
+    Attributes
+    ----------
+    target : the surface. vertices : shape (n, 1), vertices that it holds; others are free of it.
+    offsets : wanted distances on the normals' side, shape (n,). step : unit of the residuals.
+    places : near the nearest ones, shape (n, d).
+    """
+
+    target: Target
+    vertices: IntArray
+    offsets: FloatArray
+    step: float
+    places: FloatArray
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`; NaN where no nearest point is found."""
+        held = coords[self.vertices[:, 0]]
+        distances, normals, places = self.target.distance(held, self.places)
+        values = (distances - self.offsets) / self.step
+        return Linear(values, normals[:, None] / self.step, replace(self, places=places))
+
+
+@dataclass(frozen=True)
+class RimReach:
+    """By how much vertices fall short of planes, in steps, negative; 0 beyond them.
+
+    With planes across a surface's rim, a sheet goes on covering it: else pleats close wherever the
+    surface is narrower than the sheet is wide, and the sheet draws back over it.
+
+    Attributes
+    ----------
+    vertices : shape (n, 1), a vertex may repeat. directions : unit normals of the planes, outwards,
+        shape (n, 3). points : of the planes, shape (n, 3). step : unit of the residuals.
+
+    >>> rim = RimReach(np.array([[0]]), np.array([[1.0, 0, 0]]), np.array([[2.0, 0, 0]]), 0.5)
+    >>> short, beyond = (np.array([[x, 7.0, 7.0]]) for x in (1.0, 3.0))
+    >>> rim.linearised(short).values.tolist(), rim.linearised(beyond).values.tolist()
+    ([-2.0], [0.0])
+    """
+
+    vertices: IntArray
+    directions: FloatArray
+    points: FloatArray
+    step: float
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        reach = dot(coords[self.vertices[:, 0]] - self.points, self.directions) / self.step
+        short = reach < 0
+        slopes = (self.directions * short[:, None] / self.step)[:, None]
+        return Linear(np.where(short, reach, 0.0), slopes, self)
+
+
+@dataclass(frozen=True)
+class SideLengths:
+    """Distances of pairs of vertices over the wanted ones, less 1.
+
+    Attributes
+    ----------
+    vertices : shape (n, 2). lengths : wanted, shape (n,).
+
+    >>> pair = SideLengths(np.array([[0, 1]]), np.array([2.0]))
+    >>> pair.linearised(np.array([[0.0, 0, 0], [0, 3, 0]])).values.tolist()
+    [0.5]
+    """
+
+    vertices: IntArray
+    lengths: FloatArray
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        return Linear(*_length_ratios(coords, self.vertices, self.lengths), self)
+
+
+@dataclass(frozen=True)
+class LeastDistances:
+    """Distances of pairs of vertices over the least ones, less 1, where that is negative; else 0.
+
+    Pairs two apart along a grid line: pleats then do not close, nor do faces cross.
+
+    Attributes
+    ----------
+    vertices : shape (n, 2). lengths : least, shape (n,).
+
+    >>> pair = LeastDistances(np.array([[0, 1]]), np.array([2.0]))
+    >>> near, far = (np.array([[0.0, 0, 0], [0, y, 0]]) for y in (1.0, 3.0))
+    >>> pair.linearised(near).values.tolist(), pair.linearised(far).values.tolist()
+    ([-0.5], [0.0])
+    """
+
+    vertices: IntArray
+    lengths: FloatArray
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        values, gradients = _length_ratios(coords, self.vertices, self.lengths)
+        near = values < 0
+        return Linear(np.where(near, values, 0.0), gradients * near[:, None, None], self)
+
+
+@dataclass(frozen=True)
+class FoldBounds:
+    """Fold angles beyond a bound, radians; 0 within it.
+
+    An angle is counted in the direction that its crease has at first, so that one that has passed
+    180 degrees, where faces cross, is beyond 180 and not near -180.
+
+    Attributes
+    ----------
+    vertices : hinges, shape (n, 4), see `neighbours.hinges`. signs : 1 for valleys, -1 for
+        mountains, shape (n,). most : largest angle, radians.
+    """
+
+    vertices: IntArray
+    signs: FloatArray
+    most: float
+
+    @classmethod
+    def of(cls, faces_vertices: IntArray, coords: FloatArray, most: float) -> FoldBounds:
+        """That of all inner edges, with the signs that they have at `coords`."""
+        inner = hinges(faces_vertices)
+        return cls(inner, np.where(fold_angles(coords, inner) < 0, -1.0, 1.0), most)
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        angle = self.signs * fold_angles(coords, self.vertices)
+        angle = np.where(angle < -np.pi / 2, angle + 2 * np.pi, angle)
+        over = angle > self.most
+        slope = (self.signs * over)[:, None, None] * _fold_gradients(coords, self.vertices)
+        return Linear(np.where(over, angle - self.most, 0.0), slope, self)
+
+
+def fold_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
+    """Fold angles, radians in (-pi, pi], valley positive, shape (n,).
+
+    coords : shape (nv, 3); hinges_vertices : shape (n, 4), see `neighbours.hinges`.
+
+    >>> coords = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> np.degrees(fold_angles(coords, np.array([[0, 1, 2, 3]]))).tolist()
+    [90.0]
+    """
+    e, p, q = _hinge_sides(coords, hinges_vertices)
+    first, second = cross(e, p), cross(q, e)
+    out: FloatArray = np.arctan2(dot(cross(second, first), e) / norm(e), dot(first, second))
+    return out
+
+
+def _hinge_sides(
+    coords: FloatArray, hinges_vertices: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Along the edge, and from its start to a corner of either face."""
+    start = coords[hinges_vertices[:, 0]]
+    along, first, second = (coords[hinges_vertices[:, k]] - start for k in (1, 2, 3))
+    return along, first, second
+
+
+def _fold_gradients(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
+    """Gradients of fold angles, shape (n, 4, 3): both corners rise along their faces' normals."""
+    e, p, q = _hinge_sides(coords, hinges_vertices)
+    length, square = norm(e)[:, None], dot(e, e)
+    first, second = cross(e, p), cross(q, e)
+    at_p = length * first / dot(first, first)[:, None]
+    at_q = length * second / dot(second, second)[:, None]
+    a, b = (dot(p, e) / square)[:, None], (dot(q, e) / square)[:, None]
+    start = -(1 - a) * at_p - (1 - b) * at_q
+    return np.stack([start, -a * at_p - b * at_q, at_p, at_q], axis=1)
+
+
+def _length_ratios(
+    coords: FloatArray, pairs: IntArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    side = coords[pairs[:, 1]] - coords[pairs[:, 0]]
+    size = norm(side)
+    slope = side / (size * lengths)[:, None]
+    return size / lengths - 1, np.stack([-slope, slope], axis=1)

@@ -1,0 +1,202 @@
+"""A pleated sheet relaxed onto a surface, from coarse to fine.
+
+Large zigzags (two or three steps) reach furthest on domes: each cell can then be much wider or
+narrower than others without its folds closing. A hemisphere is covered so by up to 40 columns; with
+60 and more the search from a stereographic map ends stuck or with faces that cross.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.mesh import QuadMesh
+from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
+from solver.relaxation.method import Relaxation, relax
+from solver.relaxation.minimisation import Soft
+from solver.relaxation.neighbours import opposite_pairs, sides
+from solver.relaxation.objectives import (
+    FoldBounds,
+    LeastDistances,
+    RimReach,
+    SideLengths,
+    SurfaceOffsets,
+)
+from solver.relaxation.pleats import PleatedSheet, prolonged
+from solver.relaxation.terms import Term
+from solver.targets.base import Target
+from solver.vectors import BoolArray, FloatArray, unit
+
+__all__ = ["SheetFit", "Wishes", "relaxed_sheet", "sheet_terms"]
+
+# Sheets of more rows than this begin with one of half the resolution.
+_ROWS_AT_ONCE = 30
+# A coarse sheet need not be exact: rounds that it has at most.
+_COARSE_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """Soft terms of a sheet on a surface, and whether it folds rigidly.
+
+    Attributes
+    ----------
+    rigid : whether all vertices are flat-foldable too, a hard term: no freedom is left inside the
+        sheet, which then follows the surface only about.
+    least_side : least length of sides, over that in the cell.
+    least_span : least distance of vertices two apart, over that in the cell.
+    most_fold : largest fold angle, radians, or None: beyond 165 degrees pleats soon cross.
+    offset, rim, side, least, fold : weights of the soft terms; `least` is that of both least
+        distances. With rim = 0 a sheet may draw back from the rim of its surface, far so where the
+        surface is domed, and is nearer to its offsets for it.
+    """
+
+    rigid: bool = False
+    least_side: float = 0.4
+    least_span: float = 0.2
+    most_fold: float | None = 11 * np.pi / 12
+    offset: float = 1.0
+    rim: float = 0.1
+    side: float = 3e-3
+    least: float = 1.0
+    fold: float = 1.0
+
+
+@dataclass(frozen=True)
+class SheetFit:
+    """A sheet on a surface.
+
+    Attributes
+    ----------
+    mesh : the sheet. relaxation : how it was found; of the finest level.
+    deviations : signed distances of the held vertices from their offsets, in steps of the cell,
+        shape (n,). coarse_rounds : rounds of all coarser levels together.
+    """
+
+    mesh: QuadMesh
+    relaxation: Relaxation
+    deviations: FloatArray
+    coarse_rounds: int
+
+
+def relaxed_sheet(
+    target: Target,
+    sheet: PleatedSheet,
+    wishes: Wishes | None = None,
+    *,
+    held: BoolArray | None = None,
+    start: FloatArray | None = None,
+    rounds: int = 200,
+    progress: Callable[[int, float], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
+) -> SheetFit:
+    """The sheet whose faces are planar, vertices developable, nearest to its offsets and cell.
+
+    Parameters
+    ----------
+    wishes : soft terms; None for the usual ones.
+    held : vertices that follow the surface, shape (R C,); None for all. Others, such as those
+        beyond its rim, only continue the sheet.
+    start : coordinates to begin with, shape (R C, 3); None: the sheet on its offsets, or, with
+        more than 30 rows, as a relaxed sheet of half the resolution has it.
+    rounds, progress, interrupted : see `relax`; the last two are of the coarser levels too.
+
+    >>> from solver.relaxation import pleated_patch
+    >>> from solver.targets import explicit_surface
+    >>> bump = explicit_surface(lambda x, y: 0.3 * np.exp(-2 * (x**2 + y**2)))
+    >>> sheet = pleated_patch(bump, 8, zigzag=1.5, spacing=1.2, thickness=1.2)
+    >>> fit = relaxed_sheet(bump, sheet)
+    >>> fit.relaxation.status, bool(np.abs(fit.deviations).mean() < 0.01)
+    (<RelaxationStatus.RELAXED: 'relaxed'>, True)
+    """
+    wishes = wishes or Wishes()
+    coarse_rounds = 0
+    if start is None:
+        start = sheet.points(target)
+        if sheet.shape[0] > _ROWS_AT_ONCE:
+            half = sheet.halved()
+            coarse = relaxed_sheet(
+                target,
+                half,
+                wishes,
+                held=None if held is None else _resampled(held, sheet, half),
+                rounds=min(rounds, _COARSE_ROUNDS),
+                progress=progress,
+                interrupted=interrupted,
+            )
+            coarse_rounds = coarse.coarse_rounds + coarse.relaxation.rounds
+            start = prolonged(half, coarse.relaxation.coords, sheet, target)
+    hard, soft = sheet_terms(target, sheet, wishes, held)
+    done = relax(
+        start,
+        hard,
+        soft,
+        sheet.cell.step,
+        rounds=rounds,
+        progress=progress,
+        interrupted=interrupted,
+    )
+    return SheetFit(sheet.mesh(done.coords), done, done.soft_values[0], coarse_rounds)
+
+
+def sheet_terms(
+    target: Target, sheet: PleatedSheet, wishes: Wishes, held: BoolArray | None = None
+) -> tuple[list[Term], list[Soft]]:
+    """Hard and soft terms of a sheet on a surface; the first soft one is that of its offsets.
+
+    held : see `relaxed_sheet`.
+    """
+    first = sheet.points(target)
+    faces, count = sheet.mesh(first).faces_vertices, len(first)
+    hard: list[Term] = [PlanarFaces(faces), DevelopableVertices.of(faces, count)]
+    if wishes.rigid:
+        hard.append(FlatFoldableVertices.of(faces, count))
+    followed = np.arange(count) if held is None else np.flatnonzero(held)
+    edges, spans = sides(faces), opposite_pairs(faces, count)
+    lengths = sheet.side_lengths(edges)
+    soft = [
+        Soft(
+            SurfaceOffsets(
+                target,
+                followed[:, None],
+                sheet.offsets[followed],
+                sheet.cell.step,
+                target.places(sheet.uv[followed]),
+            ),
+            wishes.offset,
+        ),
+        Soft(SideLengths(edges, lengths), wishes.side),
+        Soft(LeastDistances(edges, wishes.least_side * lengths), wishes.least),
+        Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.least),
+    ]
+    if wishes.rim:
+        soft.append(Soft(_rim(sheet, first), wishes.rim))
+    if wishes.most_fold is not None:
+        soft.append(Soft(FoldBounds.of(faces, first, wishes.most_fold), wishes.fold))
+    return hard, soft
+
+
+def _rim(sheet: PleatedSheet, first: FloatArray) -> RimReach:
+    """Planes through the first points of the rim's vertices, across the sheet there."""
+    number = np.arange(len(first)).reshape(sheet.shape)
+    ends = [(number[0], number[2]), (number[-1], number[-3])]
+    if not sheet.closed:
+        ends += [(number[:, 0], number[:, 2]), (number[:, -1], number[:, -3])]
+    at, behind = (np.concatenate([pair[k] for pair in ends]) for k in (0, 1))
+    points = first[at]
+    return RimReach(at[:, None], unit(points - first[behind]), points, sheet.cell.step)
+
+
+def _resampled(held: BoolArray, fine: PleatedSheet, coarse: PleatedSheet) -> BoolArray:
+    """The vertices of the coarse sheet whose nearest ones in the fine sheet are held."""
+    (R, C), (rows, columns) = fine.shape, coarse.shape
+    down = np.rint(np.linspace(0, R - 1, rows)).astype(int)
+    across = (
+        np.linspace(0, C, columns, endpoint=False)
+        if fine.closed
+        else np.linspace(0, C - 1, columns)
+    )
+    grid = held.reshape(R, C)[down][:, np.rint(across).astype(int) % C]
+    return np.asarray(grid.ravel())
