@@ -5,7 +5,8 @@
 - `bar_hinge_model` is the mechanical model, a `Framework` of bars and hinges; `quasi_static` folds
   it from rest to rest (`fold`, a `Folding`), `dynamics` by masses that move.
 - `rotation_predictor` predicts far turns, `folding_path` finds a path for sheets that get stuck.
-- `verdict` says whether a `Folding` reached its target: `judge`, a `Verdict`.
+- `verdict` says whether a `Folding` reached its target: `judge`, a `Verdict`; `target_forms` which
+  folded form that is, `tolerance` how exactly, `misplaced_vertices` where vertices are at fault.
 - `folded_states` gives the states of rigid panels: `folded_states`, each a `FoldedState`;
-  `rigid_states` finds those without bent faces.
+  `rigid_states` finds those without bent faces, `rigid_angles` the fold angles of a rigid fold.
 """
