@@ -141,6 +141,9 @@ def test_sheets_that_fold_flat_are_unfolded_too(tmp_path):
 
 CONE = [[0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
 CONE_FACES = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]]
+# Two squares on a point that is there twice.
+DOUBLED = [[0, 0, 0], [0, 0, 0], [1, 1, 0], [0, 1, 0], [0, -1, 1], [1, -1, 1]]
+DOUBLED_FACES = [[0, 1, 2, 3], [1, 0, 4, 5]]
 TUBE = [[x, y, z] for z in (0, 2) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
 TUBE_FACES = [[k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k] for k in range(4)]
 
@@ -152,6 +155,7 @@ TUBE_FACES = [[k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k] for k in range(4)]
         (TUBE, TUBE_FACES, "closes on itself at vertex [0-7]"),
         ([*CONE, [3, 3, 3]], [*CONE_FACES, [0, 1, 5]], r"edge \(0, 1\) has more than two faces"),
         ([*CONE[:3], [1, 1, 5]], [[0, 1, 3, 2]], "face 0 of the folded form not flat"),
+        (DOUBLED, DOUBLED_FACES, r"edge \(0, 1\) between two faces has no length"),
     ],
 )
 def test_what_does_not_unfold_is_refused_with_its_place(tmp_path, coords, faces, match):

@@ -248,3 +248,25 @@ def test_a_page_is_a_repair():
     rows = [*box(-50, -50, 160, 247), *SQUARE, ("M", 0, 0, 100, 100)]
     with pytest.raises(InvalidFile, match="frame of a page"):
         pattern_of_lines(soup_of(rows), ReadOptions(strict=True))
+
+
+def test_drawings_of_close_ends_have_a_tolerance_above_that_of_files_with_faces():
+    """Rows of ends so close that the tolerance is halved again and again."""
+    row = [("M", 50, 50 + 1e-7 * i, 99, 20 + i) for i in range(40)]
+    read = pattern_of_lines(soup_of([*SQUARE, *row]))
+    coords = read.pattern.vertices_coords
+    apart = np.hypot(*(coords[:, None] - coords).transpose(2, 0, 1)) + np.eye(len(coords))
+    assert apart.min() > 1e-8 * np.hypot(100, 100)
+
+
+@pytest.mark.parametrize(("off", "passed"), [(1e-5, False), (1.0, True)])
+def test_bridges_keep_clear_of_other_vertices(off, passed):
+    """The end of a crease is beside the shortest bridge, from corner to corner."""
+    crease = ("V", 20, 20 - off, 30, 5)
+    read = pattern_of_lines(soup_of([*SQUARE, *box(40, 40, 60, 60, "M"), crease]))
+    joins = read.pattern.edges_vertices[read.pattern.edges_assignment == "J"]
+    ends = {
+        tuple(sorted(map(tuple, pair))) for pair in read.pattern.vertices_coords[joins].tolist()
+    }
+    assert len(ends) == 2
+    assert (((0.0, 0.0), (40.0, 40.0)) in ends) == passed

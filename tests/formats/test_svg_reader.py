@@ -555,3 +555,10 @@ def mutated(data: bytearray, generator: np.random.Generator) -> bytearray:
                 to = int(generator.integers(len(data)))
                 data[to : to + size] = data[at : at + size]
     return data
+
+
+def test_arcs_beyond_the_range_of_floats_are_refused(tmp_path):
+    """Without a warning of numpy, which would be an error."""
+    path = '<path d="M1e308 10A1e308 1e308 0 0 1 -1e308 9" stroke="red" transform="scale(1e300)"/>'
+    with pytest.raises(InvalidFile, match="coordinate"):
+        drawn(tmp_path, path)

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.geometry.arrangement import arrangement
+from solver.errors import InvalidState
 
 SQUARE = [[[0, 0], [100, 0]], [[100, 0], [100, 100]], [[100, 100], [0, 100]], [[0, 100], [0, 0]]]
 
@@ -233,3 +234,21 @@ def test_reach_may_differ_from_end_to_end():
     assert len(found.vertices_coords) in (200, 201)
     assert found.ends_moved[:-1].max() < 1e-9
     assert np.bincount(found.edges_vertices.ravel())[found.ends_vertex[-1, 1]] == 3
+
+
+def test_ends_of_a_narrow_triangle_are_not_put_onto_each_others_sides_in_turn():
+    """Too far apart to be one, and each within reach of the other's side."""
+    turn = 1e-2
+    lines = np.array([[[0, 0], [1, 0]], [[0, 0], [np.cos(turn), np.sin(turn)]], [[0, 1], [1e4, 1]]])
+    reach = turn - turn**3 / 12  # between the height and the base of the triangle
+    assert np.sin(turn) < reach < 2 * np.sin(turn / 2)
+    found = arrangement(lines, reach)
+    assert found.settled
+    assert len(found.edges_vertices) in (2, 3)
+
+
+def test_many_lines_on_each_other_are_refused():
+    ends = np.random.default_rng(0).uniform(0, 100, (3000, 2))
+    lines = np.stack([ends, np.full((3000, 2), 5.0)], axis=2)
+    with pytest.raises(InvalidState, match=r"on other lines more than .* times"):
+        arrangement(lines, 1e-9)
