@@ -80,6 +80,8 @@ def test_cuts_and_free_creases_leave_a_vertex_open(letter):
 def test_lines_that_end_within_a_face_turn_nothing(tmp_path, letter):
     document = json.loads(fold_bytes(grid(2, 2, 10.0), "grid"))
     document["edges_foldAngle"] = [0.0] * len(document["edges_vertices"])
+    flat = {"V": "F", "B": "B"}
+    document["edges_assignment"] = [flat[given] for given in document["edges_assignment"]]
     document["vertices_coords"].append([13.0, 14.0, 0.0])
     document["edges_vertices"].append([4, 9])
     document["edges_assignment"].append(letter)
