@@ -50,10 +50,6 @@ def length_px(text: str | None, whole: float, default: float = 0.0) -> float:
     """A length in CSS pixels; percentages are of `whole`. The default where it is no length."""
     if text is None:
         return default
-    try:
-        return float(text)
-    except ValueError:
-        pass
     found = _LENGTH.match(text)
     if found is None:
         return default

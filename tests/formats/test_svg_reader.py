@@ -562,3 +562,14 @@ def test_arcs_beyond_the_range_of_floats_are_refused(tmp_path):
     path = '<path d="M1e308 10A1e308 1e308 0 0 1 -1e308 9" stroke="red" transform="scale(1e300)"/>'
     with pytest.raises(InvalidFile, match="coordinate"):
         drawn(tmp_path, path)
+
+
+@pytest.mark.parametrize("value", ["nan", "abc", "1_0", "inf", "1e999", ""])
+def test_coordinates_that_are_no_numbers_are_refused(tmp_path, value):
+    path = tmp_path / "odd.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9">'
+        f'<line x1="{value}" y1="0" x2="5" y2="9" stroke="#f00"/></svg>'
+    )
+    with pytest.raises(InvalidFile, match="line 1 has a coordinate of"):
+        read_svg(path, ReadOptions())
