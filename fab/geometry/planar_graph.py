@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components, depth_first_order
 
 from fab.geometry.rings import ring_areas
 from solver.vectors import BoolArray, FloatArray, IntArray
@@ -70,23 +72,37 @@ def walks_of(
     first = np.searchsorted(start[order], np.arange(len(vertices_coords)))
     last = np.searchsorted(start[order], np.arange(len(vertices_coords)), "right") - 1
     back = place[twin]  # of the half edge that runs back, among those that begin at the end
-    following = order[np.where(back == first[end], last[end], back - 1)].tolist()
-    seen = np.zeros(count, bool).tolist()
-    steps: list[int] = []
-    offsets = [0]
-    for begin in range(count):
-        if seen[begin]:
-            continue
-        step = begin
-        while not seen[step]:
-            seen[step] = True
-            steps.append(step)
-            step = following[step]
-        offsets.append(len(steps))
-    bounds = np.array(offsets)
-    walk = np.empty(count, np.int64)
-    walk[steps] = np.repeat(np.arange(len(bounds) - 1), np.diff(bounds))
-    return start[steps], bounds, walk
+    following = order[np.where(back == first[end], last[end], back - 1)]
+    steps, offsets, walk = _cycles(following)
+    return start[steps], offsets, walk
+
+
+def _cycles(following: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Cycles of a permutation, each from its least number on, by these; and the cycle of each.
+
+    The cycles are members and offsets, as rings are.
+    """
+    count = len(following)
+    number = np.arange(count)
+    cycle = connected_components(_graph(following), connection="strong")[1]
+    head = np.empty(int(cycle.max()) + 1, np.int64)
+    head[cycle[::-1]] = number[::-1]
+    head = head[cycle]
+    first = head == number
+    cycle = np.cumsum(first)[head] - 1
+    offsets = np.concatenate([[0], np.cumsum(np.bincount(cycle))])
+    # where a cycle closes it goes on with the next one: a single path through all of them
+    path = following.copy()
+    last = np.flatnonzero(following == head)
+    path[last] = np.append(np.flatnonzero(first), 0)[cycle[last] + 1]
+    members = depth_first_order(_graph(path), 0, return_predecessors=False)
+    return np.asarray(members, np.int64), offsets, cycle
+
+
+def _graph(following: IntArray) -> csr_array:
+    """One directed edge from each number."""
+    count = len(following)
+    return csr_array((np.ones(count), following, np.arange(count + 1)), shape=(count, count))
 
 
 def enclosed_faces(
