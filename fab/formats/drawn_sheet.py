@@ -83,6 +83,7 @@ def drawn_sheet(
         rings = [lines.coords[regions.corners[start:end]] for start, end in bounds]
         middles = np.array([ring.mean(axis=0) for ring in rings])
         findings.append(Finding("hole", Severity.NOTE, text, places=places_of(middles)))
+    whole = lines
     lines, cuts = _without_inner_borders(lines, closed, regions, solid, planar, options)
     repairs += cuts
     outside = _outside(lines, closed, regions, solid)
@@ -101,7 +102,8 @@ def drawn_sheet(
         lines, joined, of = _joined_runs(lines, kept_as)
         repairs += joined
         kept_as = of
-    lines, faces, added = _bridged(lines, len(kept_as))
+    found = (closed, regions, solid) if lines is whole else _solids(lines)
+    lines, faces, added = _bridged(lines, *found, len(kept_as))
     repairs += added
     kept_as = np.concatenate([kept_as, lines.planar[lines.planar >= len(kept_as)]])
     return DrawnSheet(faces, lines, kept_as, tuple(repairs), tuple(findings))
@@ -253,12 +255,13 @@ def _members(owner: IntArray, wanted: IntArray) -> tuple[IntArray, IntArray]:
     return np.concatenate([[0], np.cumsum(sizes)]), np.concatenate(chosen)
 
 
-def _bridged(lines: Lines, first: int) -> tuple[Lines, Faces, list[Repair]]:
+def _bridged(
+    lines: Lines, closed: BoolArray, regions: Regions, solid: BoolArray, first: int
+) -> tuple[Lines, Faces, list[Repair]]:
     """The lines with joins (J) that divide faces around islands into simple ones; all faces.
 
     first : number of the first join in the planar graph.
     """
-    closed, regions, solid = _solids(lines)
     broken = regions.broken()
     broken = broken[solid[broken]]
     if not len(broken):

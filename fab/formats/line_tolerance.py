@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fab.errors import InvalidFile
+from fab.geometry.distinct_points import distinct_points
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -97,9 +98,9 @@ def _reach(tolerance: float, length: FloatArray, smooth: BoolArray) -> FloatArra
 
 def _compact(coords: FloatArray, reach: FloatArray, tolerance: float) -> bool:
     """Whether ends that would be joined are all near to each other, and not one of a row."""
-    points, place = np.unique(coords.reshape(-1, 2), axis=0, return_inverse=True)
+    points, place = distinct_points(coords.reshape(-1, 2))
     least = np.full(len(points), tolerance)
-    np.minimum.at(least, place.ravel(), reach.ravel())
+    np.minimum.at(least, place, reach.ravel())
     tree = cKDTree(points)
     if tree.count_neighbors(tree, tolerance) > (1 + 2 * _CROWD) * len(points):
         return False

@@ -57,8 +57,9 @@ def sheet_pattern(
     """
     edges = edges_of(faces.corners, faces.offsets)
     source = _places(lines, edges.edges_vertices)
-    loose = np.setdiff1d(np.arange(len(lines.pairs)), source)
-    lines = lines.part(np.concatenate([source, loose]))
+    loose = np.ones(len(lines.pairs), bool)
+    loose[source] = False
+    lines = lines.part(np.concatenate([source, np.flatnonzero(loose)]))
     if lines.element is not None:  # findings number them as the pattern does
         lines = replace(lines, number=np.arange(len(lines.pairs)))
     within = around(lines, edges.edges_faces)

@@ -16,6 +16,7 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
+from fab.geometry.distinct_points import distinct_points
 from fab.geometry.rings import next_corner
 from solver.errors import InvalidState
 from solver.graphs import labels
@@ -220,14 +221,10 @@ def _require_few_crossings(lines_coords: FloatArray) -> None:
 
 def _sorted(flat: FloatArray, reach: FloatArray) -> tuple[_Web, BoolArray, IntArray]:
     """Distinct lines by their coordinates; which lines were turned, and the place of each."""
-    order = np.lexsort((flat[:, 1], flat[:, 0]))
-    new = np.ones(len(flat), bool)
-    new[1:] = (flat[order][1:] != flat[order][:-1]).any(axis=1)
-    number = np.empty(len(flat), np.int64)
-    number[order] = np.cumsum(new) - 1
-    count = int(new.sum())
-    points = flat[order][new]
-    least = np.minimum.reduceat(reach[order], np.flatnonzero(new))
+    points, number = distinct_points(flat)
+    count = len(points)
+    least = np.full(count, np.inf)
+    np.minimum.at(least, number, reach)
     ends = number.reshape(-1, 2)
     turned = ends[:, 0] > ends[:, 1]
     keys, place = np.unique(ends.min(axis=1) * count + ends.max(axis=1), return_inverse=True)
