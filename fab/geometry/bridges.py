@@ -4,24 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.spatial import Delaunay, QhullError, cKDTree
+from scipy.spatial import Delaunay, QhullError
 
+from fab.geometry.constrained_triangles import triangle_sides
 from fab.geometry.planar_graph import walks_of
+from fab.geometry.planar_regions import points_within, regions_of
 from fab.geometry.rings import ring_areas
-from solver.graphs import labels
+from solver.graphs import EdgeIndex, labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["bridges"]
 
 # Over the region: bridges are so far from other vertices.
 _CLEARANCE_REL = 1e-6
-# Up to this many corners all pairs are tried, beyond it the nearest ones of each.
-_ALL_PAIRS = 300
-_NEAREST = 12
-# With more corners, bridges are not tried one by one; with more edges, not at all.
-_MOST_TRIED, _MOST_EDGES = 1000, 70_000
-# Of the shortest bridges so many are tried, then so many.
-_TRIED = (1000, 8000)
+# Bridges between all of so few corners, beside so few lines, are tried one by one.
+_MOST_TRIED, _MOST_BESIDE = 100, 1000
+# With more edges none are looked for.
+_MOST_EDGES = 70_000
+# Of the shortest bridges so many are tried, then all.
+_TRIED = 1000
 
 
 def bridges(
@@ -31,8 +32,11 @@ def bridges(
 
     edges_vertices : all edges around the region, shape (ne, 2). within : shape (ne, 2), whether the
     region is on the left and on the right of each. obstacles : further edges in the region, which
-    bridges must not touch. Short bridges are preferred; None where those that were tried do not
-    suffice.
+    bridges must not touch. Short bridges are preferred; None where there are too many edges, or
+    obstacles and vertices that are too near leave no way.
+
+    Sides of Delaunay triangles come first; then, of few corners, all bridges, and of many the sides
+    of triangles that keep to all edges, which suffice wherever nothing is in the way.
     """
     lines = np.concatenate([edges_vertices, obstacles])
     if len(lines) > _MOST_EDGES:
@@ -43,8 +47,14 @@ def bridges(
     corners = np.unique(edges)
     pairs = _clear(coords, edges, within, obstacles, _delaunay(corners, coords[corners]))
     found = _least(coords, edges, within, pairs)
-    if found is None and len(corners) <= _MOST_TRIED:
+    if found is None:
         found = _shortest(coords, edges, within, obstacles)
+    if found is None:
+        pairs = _between_triangles(coords, edges, within, obstacles)
+        found = _least(coords, edges, within, pairs)
+    if found is None:
+        pairs = _in_what_is_left(coords, edges, within, obstacles, pairs)
+        found = _least(coords, edges, within, pairs)
     return None if found is None else used[found]
 
 
@@ -56,6 +66,36 @@ def _clear(
     pairs = pairs[_inside(coords, edges, within, pairs)]
     span = np.diff(coords[pairs], axis=1)[:, 0]
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0], np.round(np.hypot(*span.T), 9)))]
+
+
+def _between_triangles(
+    coords: FloatArray, edges: IntArray, within: BoolArray, obstacles: IntArray
+) -> IntArray:
+    """Sides of triangles that all edges are sides of, where they may be bridges."""
+    pairs = triangle_sides(coords, np.concatenate([edges, obstacles]))
+    corner = np.zeros(len(coords), bool)
+    corner[edges] = True
+    pairs = pairs[corner[pairs].all(axis=1)]
+    pairs = pairs[EdgeIndex.of(edges, len(coords)).find(pairs) < 0]
+    return _clear(coords, edges, within, obstacles, pairs)
+
+
+def _in_what_is_left(
+    coords: FloatArray, edges: IntArray, within: BoolArray, obstacles: IntArray, pairs: IntArray
+) -> IntArray:
+    """Further bridges in the parts that these leave with islands, as far as they are found."""
+    lines = np.concatenate([edges, pairs])
+    regions = regions_of(coords, lines)
+    inside = np.concatenate([within, np.ones((len(pairs), 2), bool)])
+    place = points_within(coords[obstacles].mean(axis=1), coords, regions)
+    found = [pairs]
+    for part in np.intersect1d(regions.broken(), regions.sides[inside]).tolist():
+        own = regions.sides == part
+        around = np.flatnonzero(own.any(axis=1))
+        some = _shortest(coords, lines[around], own[around], obstacles[place == part])
+        if some is not None:
+            found.append(some)
+    return np.concatenate(found)
 
 
 def _least(
@@ -70,12 +110,18 @@ def _least(
     corners, offsets, walk = walks_of(coords, np.concatenate([edges, pairs]))
     sides = np.concatenate([within, np.ones((count, 2), bool)])
     region = np.unique(walk[sides.T.ravel()])
-    rings = {number: corners[offsets[number] : offsets[number + 1]].tolist() for number in region}
-    if any(len(set(ring)) != len(ring) for ring in rings.values()):
-        return None
     if (ring_areas(coords[corners], offsets)[region] <= 0).any():
         return None  # an island that no bridge leads to
-    members = {number: set(ring) for number, ring in rings.items()}
+    inner = np.isin(np.arange(len(offsets) - 1), region)
+    own = np.repeat(np.arange(len(inner)), np.diff(offsets))
+    keys = np.sort((own * len(coords) + corners)[inner[own]])
+    if (keys[1:] == keys[:-1]).any():
+        return None  # a polygon that touches itself
+    bounds = offsets.tolist()
+    rings = corners.tolist()
+    members = {
+        number: set(rings[bounds[number] : bounds[number + 1]]) for number in region.tolist()
+    }
     parent = list(range(len(offsets) - 1))
 
     def of(number: int) -> int:
@@ -90,8 +136,7 @@ def _least(
         first, second = of(int(left[len(edges) + bridge])), of(int(right[len(edges) + bridge]))
         if len(members[first]) < len(members[second]):
             first, second = second, first
-        common = sum(vertex in members[first] for vertex in members[second])
-        if first != second and common == 2:
+        if first != second and len(members[first] & members[second]) == 2:
             members[first] |= members.pop(second)
             parent[second] = first
             kept[bridge] = False
@@ -113,11 +158,18 @@ def _delaunay(vertices: IntArray, points: FloatArray) -> IntArray:
 def _shortest(
     coords: FloatArray, edges: IntArray, within: BoolArray, obstacles: IntArray
 ) -> IntArray | None:
-    """Of all bridges that may be tried the shortest that suffice; short ones are tried alone."""
-    pairs = _candidates(coords, edges)
+    """The shortest of all bridges that suffice; short ones are tried alone.
+
+    None where they do not suffice, or there are more corners or lines than are tried.
+    """
+    corners = np.unique(edges)
+    if len(corners) > _MOST_TRIED or len(edges) + len(obstacles) > _MOST_BESIDE:
+        return None
+    low, high = np.triu_indices(len(corners), 1)
+    pairs = np.column_stack([corners[low], corners[high]])
     span = np.diff(coords[pairs], axis=1)[:, 0]
     pairs = pairs[np.argsort(np.hypot(*span.T), kind="stable")]
-    for count in (*_TRIED, len(pairs)):
+    for count in (_TRIED, len(pairs)):
         some = _clear(coords, edges, within, obstacles, pairs[:count])
         found = _one_by_one(coords, edges, within, some)
         if found is not None or count >= len(pairs):
@@ -151,26 +203,6 @@ def _one_by_one(
             bridge = pairs[useful[:1]]
         chosen = np.concatenate([chosen, bridge])
         pairs = pairs[_visible(coords, bridge, bridge[:0], pairs)]
-
-
-def _candidates(coords: FloatArray, edges: IntArray) -> IntArray:
-    vertices = np.unique(edges)
-    if len(vertices) <= _ALL_PAIRS:
-        low, high = np.triu_indices(len(vertices), 1)
-        return np.column_stack([vertices[low], vertices[high]])
-    part = labels(edges, len(coords))[vertices]
-    found = []
-    for own in np.unique(part).tolist():
-        mine, others = vertices[part == own], vertices[part != own]
-        others = others if len(others) else mine
-        near = min(_NEAREST, len(others))
-        _, place = cKDTree(coords[others]).query(coords[mine], k=near)
-        found.append(np.column_stack([np.repeat(mine, near), others[place.reshape(-1)]]))
-    sample = vertices[:: len(vertices) // _ALL_PAIRS]
-    low, high = np.triu_indices(len(sample), 1)
-    found.append(np.column_stack([sample[low], sample[high]]))
-    pairs = np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
-    return np.asarray(pairs[pairs[:, 0] != pairs[:, 1]], np.int64)
 
 
 def _visible(

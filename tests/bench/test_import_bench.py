@@ -94,12 +94,24 @@ def grid(count):
     return np.concatenate([upright, upright[..., ::-1]])
 
 
-def short_lines(count):
-    """About twice as many crossings as lines."""
+def short_lines(count, length=140):
+    """About twice as many crossings as lines; of half the length many parts that do not meet."""
     random = np.random.default_rng(count)
     middles, turn = random.uniform(2, 98, (count, 2)), random.uniform(0, np.pi, count)
-    arm = 140 / np.sqrt(count) * np.column_stack([np.cos(turn), np.sin(turn)])
+    arm = length / np.sqrt(count) * np.column_stack([np.cos(turn), np.sin(turn)])
     return np.clip(np.stack([middles - arm, middles + arm], axis=1), 0, 100)
+
+
+def scratches(count):
+    """Loose lines, one in each cell of a lattice, and a triangle amid them."""
+    random, side = np.random.default_rng(count), int(np.ceil(np.sqrt(count)))
+    cells = np.column_stack(np.divmod(np.arange(count), side))
+    middles, turn = cells + random.uniform(0.4, 0.6, (count, 2)), random.uniform(0, np.pi, count)
+    arm = 0.1 * np.column_stack([np.cos(turn), np.sin(turn)])
+    corners = 0.05 * np.array([[0, 0], [1, 0], [0, 1]]) + side // 2
+    island = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    loose = np.stack([middles - arm, middles + arm], axis=1)
+    return np.concatenate([loose, island]) * 100 / side
 
 
 def star(count, noise):
@@ -118,6 +130,8 @@ def on_one_line(count):
 SOUPS = {
     "grid of 300 x 300": (grid(300), False),
     "10,000 lines with 22,000 crossings": (short_lines(10_000), False),
+    "10,000 lines in many parts": (short_lines(10_000, 60), False),
+    "30,000 scratches around an island": (scratches(30_000), False),
     "300 lines through one point": (star(300, 0.0), False),
     "300 lines through almost one point": (star(300, 1e-3), False),
     "300 lines near to one point": (star(300, 0.05), False),
