@@ -17,7 +17,8 @@ Its wings, each of which imports only wings above it:
 
 geometry : rings, planar graphs, triangulations and closed solids as arrays.
 pattern : the crease pattern in millimetres: development, kinematics, self-intersection.
-formats : files of other programs: FOLD, SVG, DXF, CP, ORIPA, OBJ; surfaces in STL, PLY and STEP.
+formats : files of other programs: patterns in SVG, DXF, CP, OPX, ORI, ORH, FOLD and OBJ are read,
+    in SVG, DXF, CP, FOLD and OBJ written; surfaces in STL, OBJ, PLY and STEP are read.
 layout : faces divided into pieces, and pieces placed on beds.
 drawings : cut paths by operation, written as DXF, SVG and PDF.
 sheets : a pattern as laser-cut sheets.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fab.formats.line_soup import LineSoup
+from fab.formats.drawn.line_soup import LineSoup
 
 SQUARE = [
     ("B", 0, 0, 100, 0),

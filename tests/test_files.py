@@ -7,13 +7,13 @@ import pytest
 from click.testing import CliRunner
 from helpers import TEMPLATES
 
+from fab import read_pattern
 from fab.catalogue import load_described
 from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob
 from fab.files import require_file
-from fab.formats.fold_reader import read_pattern
+from fab.formats.meshes.surface import read_surface
 from fab.formats.reading import read_pattern_file
-from fab.formats.surface import read_surface
 from fab.jobs.job import load_job
 from fab.outputs import require_folder
 from fab.printing.printers import Printer

@@ -23,6 +23,18 @@ WINGS = {
 }
 WINGS["jobs"] = set(WINGS)
 WINGS["cli"] = set(WINGS)
+# What each package of the formats may import besides itself and the modules at their root that
+# dispatch nothing.
+FORMATS: dict[str, set[str]] = {
+    "drawn": set(),
+    "svg": {"drawn"},
+    "dxf": {"drawn"},
+    "oripa": {"drawn"},
+    "fold": {"drawn"},
+    "meshes": {"fold"},
+}
+# The modules at the root of the formats that know these packages.
+DISPATCH = {"reading", "conversion", "reading_picture"}
 # The modules at the root of `fab`, each of which imports only those before it.
 ROOT_MODULES = ["errors", "files", "progress", "settings", "catalogue", "outputs"]
 # What geometry may know of the solver.
@@ -58,6 +70,17 @@ def wing_of(module: str) -> str:
     return parts[1] if len(parts) > 1 and parts[1] in WINGS else ""
 
 
+def wrong_among_formats(module: str, taken: str) -> bool:
+    """Whether one module of the formats takes another that its package may not know."""
+    _, _, own, *inner = module.split(".")
+    _, _, other, *rest = taken.split(".")
+    if not inner:
+        return bool(rest) and own not in DISPATCH
+    if not rest:
+        return other in DISPATCH
+    return other not in FORMATS[own] | {own}
+
+
 def faults(module: str, source: str) -> list[str]:
     """Every import of a module that its place in the house forbids."""
     out = []
@@ -69,6 +92,8 @@ def faults(module: str, source: str) -> list[str]:
             wrong = own == "geometry" and taken not in GEOMETRY_TAKES
         elif own:
             wrong = bool(other) and other != own and other not in WINGS[own]
+            if own == other == "formats":
+                wrong = wrong_among_formats(module, taken)
         else:
             name = module.removeprefix("fab.")
             before = ROOT_MODULES[: ROOT_MODULES.index(name)] if name in ROOT_MODULES else None
@@ -83,6 +108,9 @@ def test_every_folder_of_fab_is_a_wing():
     assert folders == set(WINGS)
     modules = {path.stem for path in (ROOT / "fab").glob("*.py")}
     assert modules == {"__init__", "__main__", *ROOT_MODULES}
+    formats = ROOT / "fab" / "formats"
+    assert {path.parent.name for path in formats.glob("*/__init__.py")} == set(FORMATS)
+    assert {path.stem for path in formats.glob("*.py")} >= DISPATCH
 
 
 @pytest.mark.parametrize("module", sorted(SOURCES))
@@ -95,6 +123,10 @@ def test_forbidden_imports_are_found():
     assert faults("fab.geometry.rings", "import solver.growth") != []
     assert faults("fab.panels.webs", "def f():\n    from fab import folding") != []
     assert faults("fab.sheets.kerf", "from fab.printing import stl") != []
+    assert faults("fab.formats.svg.tree", "from fab.formats.fold.reader import read_fold") != []
+    assert faults("fab.formats.drawn.sheet", "from fab.formats import reading") != []
+    assert faults("fab.formats.units", "from fab.formats.drawn.lines import Lines") != []
+    assert faults("fab.formats.reading", "from fab.formats.drawn.lines import Lines") == []
     assert faults("fab.errors", "from fab.settings import Settings") != []
     assert faults("solver.mesh", "import fab.errors") != []
     assert faults("fab.printing.stl", "from fab.clearance.soundness import parts_of") == []
@@ -113,6 +145,7 @@ def test_no_modules_import_each_other():
 def test_wings_are_on_a_one_way_path():
     path = {wing: takes - {wing, "jobs", "cli"} for wing, takes in WINGS.items()}
     TopologicalSorter(path).prepare()
+    TopologicalSorter(FORMATS).prepare()
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import numpy as np
 from flat_patterns import pattern_of
 from helpers import PATTERNS
 
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.geometry.bodies import Bodies
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings

@@ -228,7 +228,7 @@ def _unit_mm(mm_per_unit: float | None, dpi: float | None) -> float | None:
 def _letters_of(colours: str | None) -> dict[str, str]:
     if colours is None:
         return {}
-    from fab.formats.line_letters import parse_colours
+    from fab.formats.drawn.letters import parse_colours
 
     return parse_colours(colours)
 

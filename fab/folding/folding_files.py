@@ -14,7 +14,7 @@ from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.target_forms import form_difference
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
-from fab.formats.fold_writer import fold_bytes
+from fab.formats.fold.writer import fold_bytes
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles

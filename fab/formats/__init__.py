@@ -1,11 +1,16 @@
 """Files of other programs, in and out.
 
-- `reading` chooses the reader of a file: `read_pattern_file(path, ReadOptions)`, a `PatternFile`
-- readers of drawings give a `LineSoup`: `svg_reader`, `dxf_reader`, `cp`, `opx`, `ori`
-- `line_letters` has the meaning of colours and layer names, `dashes` joins dashes to creases
-- `importer` makes a crease pattern of such lines, by `planar_lines`, `drawn_border`, `drawn_sheet`
-  and `sheet_pattern`; `strictness` has the findings that are no repairs
-- FOLD: `fold_reader`, `fold_frames`, `fold_faces`, `flat_frames`, `unfolding`, `fold_writer`
-- `obj_patterns` and `obj` for meshes; `conversion` writes patterns for other programs
-- `surface` reads surfaces to fit, in a process of their own: `own_process`, `step_faces`
+- `reading` chooses the reader of a file: `read_pattern_file(path, ReadOptions)`, a `PatternFile`;
+  `conversion` makes files of a pattern for other programs, and `reading_picture` a picture
+- `read_options`, `pattern_file` and `strictness` say what is asked for, what comes of it, and which
+  findings are repairs
+- `source_files`, `coordinate_bounds` and `units` serve all readers
+
+| package | files |
+|---|---|
+| `drawn` | of none: the lines of any drawing, and how they become a crease pattern |
+| `svg`, `dxf` | drawings of these formats |
+| `oripa` | of ORIPA and its relatives: CP, OPX, ORI, ORH |
+| `fold` | FOLD: listed faces, frames, folded forms that unfold |
+| `meshes` | patterns in OBJ files; surfaces to fit, in STL, OBJ, PLY and STEP files |
 """

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, InvalidJob, Severity, did_you_mean, first_few
-from fab.formats.cp import cp_bytes, lost_in_cp
-from fab.formats.fold_writer import fold_bytes
-from fab.formats.obj import obj_bytes
-from fab.formats.obj_patterns import FLAT, FOLD
+from fab.formats.fold.writer import fold_bytes
+from fab.formats.meshes.obj import obj_bytes
+from fab.formats.meshes.obj_patterns import FLAT, FOLD
+from fab.formats.oripa.cp import cp_bytes, lost_in_cp
 from fab.formats.pattern_file import PatternFile
 from fab.formats.reading_picture import reading_png_bytes
-from fab.formats.simulator_svg import simulator_svg_bytes
+from fab.formats.svg.writer import simulator_svg_bytes
 from fab.outputs import Made, plain_title
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_closure
@@ -51,7 +51,7 @@ def convert(read: PatternFile, target: Path) -> Made:
     elif ending == ".png":
         data = reading_png_bytes(read, title)
     elif ending == ".dxf":
-        from fab.formats.dxf_writer import angles_lost_in_dxf, dxf_bytes
+        from fab.formats.dxf.writer import angles_lost_in_dxf, dxf_bytes
 
         data = dxf_bytes(pattern, title)
         findings += angles_lost_in_dxf(pattern)

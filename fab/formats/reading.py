@@ -8,9 +8,9 @@ from pathlib import Path
 
 from fab.errors import InvalidFile
 from fab.files import require_file
-from fab.formats.fold_reader import read_fold
-from fab.formats.importer import pattern_of_lines
-from fab.formats.obj_patterns import read_obj_pattern
+from fab.formats.drawn.importer import pattern_of_lines
+from fab.formats.fold.reader import read_fold
+from fab.formats.meshes.obj_patterns import read_obj_pattern
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
 
@@ -18,12 +18,12 @@ __all__ = ["READ", "read_pattern_file"]
 
 # Readers of drawings, by ending: each gives the lines of a file.
 _DRAWINGS = {
-    ".svg": ("svg_reader", "read_svg"),
-    ".dxf": ("dxf_reader", "read_dxf"),
-    ".cp": ("cp", "read_cp"),
-    ".opx": ("opx", "read_opx"),
-    ".ori": ("ori", "read_ori"),
-    ".orh": ("ori", "read_ori"),
+    ".svg": ("svg.reader", "read_svg"),
+    ".dxf": ("dxf.reader", "read_dxf"),
+    ".cp": ("oripa.cp", "read_cp"),
+    ".opx": ("oripa.opx", "read_opx"),
+    ".ori": ("oripa.ori", "read_ori"),
+    ".orh": ("oripa.ori", "read_ori"),
 }
 READ = (".fold", *_DRAWINGS, ".obj")
 # What files without such an ending begin with.

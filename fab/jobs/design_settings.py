@@ -68,7 +68,7 @@ class DesignSettings(Settings):
 def _target(surface: str, face: int | None, up: list[float] | None, folder: Path) -> str | Target:
     """A surface by name, or from a file, which has an ending."""
     if Path(surface).suffix:
-        from fab.formats.surface import read_surface
+        from fab.formats.meshes.surface import read_surface
 
         target: Target = read_surface(folder / surface, face, up)
         return target

@@ -19,7 +19,7 @@ from typing import Any
 
 from fab import __version__
 from fab.errors import Finding
-from fab.formats.fold_writer import fold_bytes
+from fab.formats.fold.writer import fold_bytes
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
 from fab.outputs import Made, box_mm, formats_among, with_report, write

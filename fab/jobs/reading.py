@@ -8,7 +8,7 @@ from pathlib import Path
 
 from fab.errors import Finding, InvalidFile, InvalidJob
 from fab.formats.coordinate_bounds import require_sheet_size
-from fab.formats.obj_patterns import read_obj_pair
+from fab.formats.meshes.obj_patterns import read_obj_pair
 from fab.formats.pattern_file import PatternFile, resized
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file

@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 
 from fab.errors import InvalidFile
-from fab.formats.importer import pattern_of_lines
-from fab.formats.line_soup import LineSoup
+from fab.formats.drawn.importer import pattern_of_lines
+from fab.formats.drawn.line_soup import LineSoup
 from fab.geometry.arrangement import arrangement
 
 LARGEST_RATIO, LARGEST_EXPONENT = 20.0, 1.15

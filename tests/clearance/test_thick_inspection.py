@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from thick_sheets import SIDE_MM, book, creased, folded, in_pose, solid
 
+from fab import read_pattern
 from fab.clearance.promised_distances import promised_mm
 from fab.clearance.soundness import parts_of
 from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Severity
 from fab.folding.folded_states import Stage, flat_panels, folded_states, panels_at
-from fab.formats.fold_reader import read_pattern
 from fab.geometry.bodies import bodies_of
 from fab.geometry.booleans import joined_mesh, manifolds
 from fab.panels.bevelled_panels import PanelSettings, make_panels

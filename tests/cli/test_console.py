@@ -46,7 +46,7 @@ def test_an_exit_code_of_1_has_an_error_on_the_terminal(capsys, tmp_path):
     path = ROOT.parent / "shared" / "cases" / "crane_plain.fold"
     if not path.is_file():
         pytest.skip(f"no {path.name} among the shared cases")
-    from fab.formats.fold_reader import read_pattern
+    from fab import read_pattern
     from fab.pattern.crease_pattern import scaled
     from fab.printing.print_files import ThickFormat, make_thick
     from fab.printing.thick_settings import thick_settings

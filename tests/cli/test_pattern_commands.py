@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from formats.drawing_dialects import DIALECTS, Source
 
 from fab.cli.group import main
-from fab.formats.fold_reader import read_fold
+from fab.formats.fold.reader import read_fold
 from fab.formats.reading import READ
 from fab.pattern.kinematics import vertices_closure_rad
 

@@ -7,9 +7,9 @@ import pytest
 from helpers import PATTERNS
 from thick_sheets import book
 
+from fab import read_pattern
 from fab.errors import Severity
 from fab.folding.folded_states import Stage, folded_states
-from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from solver import Miura

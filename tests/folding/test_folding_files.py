@@ -11,6 +11,7 @@ from flat_patterns import grid, pattern_of
 from helpers import PATTERNS, TEMPLATES, made_template
 from PIL import Image
 
+from fab import read_pattern
 from fab.cli.group import main
 from fab.folding.animation import gif_bytes
 from fab.folding.bar_hinge_model import framework
@@ -20,7 +21,7 @@ from fab.folding.quasi_static import aligned, fold
 from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.target_forms import form_difference
 from fab.folding.verdict import judge
-from fab.formats.fold_reader import read_fold, read_pattern
+from fab.formats.fold.reader import read_fold
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
 from fab.pattern.kinematics import fold_by_angles

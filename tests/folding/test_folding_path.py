@@ -8,6 +8,7 @@ import pytest
 from flat_patterns import grid
 from helpers import PATTERNS
 
+from fab import read_pattern
 from fab.folding import bar_hinge_model
 from fab.folding.bar_hinge_model import framework, hinge_angles, wrapped
 from fab.folding.fold_settings import FoldSettings
@@ -16,7 +17,6 @@ from fab.folding.folding_path import closing_path, hinges_around
 from fab.folding.quasi_static import fold, largest_turns, path_at
 from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import findings_of, judge
-from fab.formats.fold_reader import read_pattern
 from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad
 
 STEP = np.radians(20.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers import GRIDS, PATTERNS, TEMPLATE_NAMES, made_template, published
 
+from fab import read_pattern
 from fab.folding.bar_hinge_model import framework, hinge_angles
 from fab.folding.dynamics import DynamicSettings, Motion, fold_dynamically, integrate
 from fab.folding.fold_settings import Stiffness
@@ -13,7 +14,6 @@ from fab.folding.quasi_static import fold
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.folding.target_forms import distance_rel, form_difference
 from fab.folding.verdict import findings_of, judge
-from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import CreasePattern, assignments, fold_angles_deg
 from fab.pattern.self_intersection import crossing_faces
 from solver.errors import InvalidValue

@@ -9,8 +9,8 @@ from helpers import PATTERNS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fab import read_pattern
 from fab.folding.rigid_angles import rigid_angles
-from fab.formats.fold_reader import read_pattern
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from helpers import PATTERNS, TEMPLATES
 
+from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folded_states import Stage, folded_states, panels_at
@@ -11,7 +12,6 @@ from fab.folding.folding_path import hinges_around
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.rigid_states import rigid_coords
 from fab.folding.rotation_predictor import rotation_predictor
-from fab.formats.fold_reader import read_pattern
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.pattern.crease_pattern import fold_angles_deg

@@ -9,13 +9,14 @@ from click.testing import CliRunner
 from flat_patterns import fan, pattern_of
 from helpers import PATTERNS, REFERENCE, made_template, published
 
+from fab import ReadOptions, read_pattern
 from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob
 from fab.formats.conversion import convert
-from fab.formats.fold_reader import PatternFile, read_pattern
-from fab.formats.fold_writer import fold_bytes
-from fab.formats.obj import obj_bytes, read_obj
-from fab.formats.simulator_svg import simulator_svg_bytes
+from fab.formats.fold.writer import fold_bytes
+from fab.formats.meshes.obj import obj_bytes, read_obj
+from fab.formats.pattern_file import PatternFile
+from fab.formats.svg.writer import simulator_svg_bytes
 from fab.jobs.reading import read_any
 from fab.outputs import write
 from fab.pattern.crease_pattern import fold_angles_deg
@@ -43,7 +44,7 @@ def test_published_pairs_become_fold_files(here, name):
     points = published(name, "fold").reshape(-1, 3)
     result = run(REFERENCE / f"{name}_flat.obj", "sheet.fold")
     assert result.exit_code == 0, result.output
-    pattern, findings = read_pattern("sheet.fold", strict=True)
+    pattern, findings = read_pattern("sheet.fold", ReadOptions(strict=True))
     assert {finding.code for finding in findings} <= {"sheet-overlaps"}
     assert pattern.face_count == len(read_obj(REFERENCE / f"{name}_fold.obj").faces_vertices)
     assert inspect_angles(pattern) == []
@@ -168,7 +169,7 @@ def test_files_are_repaired_on_the_way(here):
     result = run(PATTERNS / "waterbomb.fold", "mended.fold")
     assert result.exit_code == 0
     assert "face-clockwise" in result.output
-    pattern, findings = read_pattern("mended.fold", strict=True)
+    pattern, findings = read_pattern("mended.fold", ReadOptions(strict=True))
     assert findings == ()
     assert pattern.face_count == 96
     strict = run(PATTERNS / "waterbomb.fold", "strict.fold", "--strict")

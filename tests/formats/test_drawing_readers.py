@@ -11,11 +11,11 @@ import pytest
 from formats.drawing_dialects import BY_NAME, DIALECTS, Source, files, java
 
 from fab.errors import InvalidFile
-from fab.formats.cp import read_cp
-from fab.formats.dxf_reader import read_dxf
-from fab.formats.importer import pattern_of_lines
-from fab.formats.opx import read_opx
-from fab.formats.ori import read_ori
+from fab.formats.drawn.importer import pattern_of_lines
+from fab.formats.dxf.reader import read_dxf
+from fab.formats.oripa.cp import read_cp
+from fab.formats.oripa.opx import read_opx
+from fab.formats.oripa.ori import read_ori
 from fab.formats.read_options import ReadOptions
 
 READERS = {".cp": read_cp, ".opx": read_opx, ".ori": read_ori, ".orh": read_ori, ".dxf": read_dxf}

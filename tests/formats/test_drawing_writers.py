@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from strategies import sheets
 
-from fab.formats.cp import cp_bytes, lost_in_cp, read_cp
-from fab.formats.dxf_reader import read_dxf
-from fab.formats.dxf_writer import LAYERS, angles_lost_in_dxf, dxf_bytes
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
+from fab.formats.dxf.reader import read_dxf
+from fab.formats.dxf.writer import LAYERS, angles_lost_in_dxf, dxf_bytes
+from fab.formats.oripa.cp import cp_bytes, lost_in_cp, read_cp
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop

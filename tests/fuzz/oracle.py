@@ -14,7 +14,7 @@ import shapely
 
 from fab.errors import InvalidFile, InvalidJob
 from fab.formats import reading
-from fab.formats.fold_writer import fold_bytes
+from fab.formats.fold.writer import fold_bytes
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file

@@ -79,8 +79,8 @@ def bound_memory() -> None:
     import shapely  # noqa: F401
     import svgelements  # noqa: F401
 
-    import fab.formats.dxf_reader
-    import fab.formats.svg_reader  # noqa: F401
+    import fab.formats.dxf.reader
+    import fab.formats.svg.reader  # noqa: F401
 
     status = Path("/proc/self/status")
     if status.is_file():

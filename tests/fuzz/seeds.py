@@ -8,14 +8,15 @@ from functools import cache
 
 import flat_patterns
 import numpy as np
-from formats import drawing_dialects, svg_dialects
+from formats import drawing_dialects
+from formats.svg import dialects as svg_dialects
 from fuzz.drawn_faults import Drawn, with_faults
 from fuzz.written_faults import with_file_faults
 from helpers import PATTERNS
 
-from fab.formats.fold_reader import read_fold
-from fab.formats.fold_writer import fold_bytes
-from fab.formats.obj import obj_bytes
+from fab.formats.fold.reader import read_fold
+from fab.formats.fold.writer import fold_bytes
+from fab.formats.meshes.obj import obj_bytes
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
 from solver import Miura

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import ezdxf
 import numpy as np
 import pytest
-from formats import drawing_dialects, svg_dialects
+from formats import drawing_dialects
+from formats.svg import dialects as svg_dialects
 
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_files import SimulationFormat, simulate

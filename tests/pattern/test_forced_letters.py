@@ -10,7 +10,7 @@ from helpers import PATTERNS
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.flat_foldability import balanced_letters, foldable_letters

@@ -7,7 +7,7 @@ import pytest
 from flat_patterns import fan, grid, pattern_of
 from helpers import TEMPLATE_NAMES, made_template
 
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.pattern.kinematics import fold_by_angles
 from fab.pattern.open_cuts import opened
 from solver.vectors import norm

@@ -15,7 +15,7 @@ from manifold3d import Manifold
 from pydantic import ValidationError
 from thick_sheets import in_pose
 
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.geometry.booleans import manifold_of, manifolds, meshes, prism, solid
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job

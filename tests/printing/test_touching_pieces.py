@@ -8,7 +8,7 @@ import trimesh
 from flat_patterns import grid, pattern_of
 from helpers import ROOT
 
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.printing.print_files import ThickFormat, make_thick
 from fab.printing.thick_settings import thick_settings
 

@@ -12,7 +12,7 @@ from line_soups import SQUARE, lengths, soup_of
 
 from fab.drawings.cut_paths import Operation
 from fab.errors import InvalidFile
-from fab.formats.importer import pattern_of_lines
+from fab.formats.drawn.importer import pattern_of_lines
 from fab.sheets.crease_styles import DashStyle, ScoreStyle
 from fab.sheets.labels import text_outlines
 from fab.sheets.perforation import cut_piece

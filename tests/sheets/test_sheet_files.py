@@ -21,13 +21,13 @@ from hypothesis import strategies as st
 from pypdf import PdfReader
 from scipy.spatial import cKDTree
 
+from fab import read_pattern
 from fab.catalogue import shipped, shipped_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
 from fab.drawings.drawing_files import SheetFormat
 from fab.errors import InvalidJob, Severity
-from fab.formats.fold_reader import read_pattern
-from fab.formats.fold_writer import fold_bytes
+from fab.formats.fold.writer import fold_bytes
 from fab.geometry.rings import ring_areas
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
@@ -427,7 +427,7 @@ def test_a_bed_without_room_for_registration_is_refused():
 _RIBBON = """
 import hashlib, sys
 from fab.drawings.drawing_files import SheetFormat
-from fab.formats.fold_reader import read_pattern
+from fab import read_pattern
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_files import fabricate

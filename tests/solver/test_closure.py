@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from strategies import patches
 
-from fab.formats.fold_reader import read_pattern
-from fab.formats.fold_writer import fold_bytes
+from fab import read_pattern
+from fab.formats.fold.writer import fold_bytes
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.inspection import inspect_closure

@@ -1,0 +1,371 @@
+"""The tree of an SVG file walked through: every shape that is drawn, where and in which style.
+
+Groups, nested drawings, symbols and `use` are followed, styles inherited; nothing is drawn that the
+file hides, defines only, or takes from other files.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from fab.errors import InvalidFile
+from fab.formats.drawn.letters import colour_of, letter_of
+from fab.formats.drawn.line_soup import LETTERS
+from fab.formats.drawn.own_sheets import OPERATIONS
+from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
+from fab.formats.svg.styles import local_name, style_sheets
+from fab.formats.svg.viewports import (
+    IDENTITY,
+    Matrix,
+    Page,
+    length_px,
+    transform_of,
+    viewport_matrix,
+)
+
+__all__ = ["Drawing", "Shape", "drawing_of"]
+
+# `use` elements may multiply a drawing; deeper ones refer to each other in a circle.
+_MOST_SHAPES = 200_000
+_DEEPEST_USE = 32
+
+_INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+_SERIF = "{http://www.serif.com/}"
+_XLINK = "{http://www.w3.org/1999/xlink}"
+_LABEL = _INKSCAPE + "label"
+_GROUPS = frozenset({"g", "a", "svg", "switch", "use"})
+_TEXTS = frozenset({"text", "flowRoot"})
+_DEFINITIONS = frozenset(
+    {
+        *("defs", "symbol", "clipPath", "mask", "pattern", "marker", "linearGradient"),
+        *("radialGradient", "filter", "style", "script", "title", "desc", "metadata", "font"),
+    }
+)
+# Oriedita draws folded figures beside the crease pattern.
+_FOLDED_FIGURE = re.compile(r"folded-figure-\d+")
+
+
+@dataclass(frozen=True)
+class _Context:
+    """What an element takes from those around it.
+
+    Attributes
+    ----------
+    names : of the groups around it, innermost first.
+    operation : of our own drawings, where its layer is one.
+    uses : how many `use` elements it is drawn through.
+    """
+
+    matrix: Matrix
+    size: tuple[float, float]
+    stroke: str = "none"
+    fill: str = "black"
+    colour: str = "black"
+    stroke_opacity: str = "1"
+    visible: bool = True
+    hidden: bool = False
+    names: tuple[str, ...] = ()
+    operation: str = ""
+    uses: int = 0
+    label: str = ""
+
+
+@dataclass
+class Shape:
+    """One shape that is drawn."""
+
+    name: str
+    drawn: Drawn
+    colour: str | None
+    letter: str | None
+    angle: float
+    opaque: bool
+    stroked: bool
+    filled: bool
+    circle: bool
+    operation: str
+
+
+@dataclass
+class Drawing:
+    """All shapes of a file, and what was left out."""
+
+    shapes: list[Shape] = field(default_factory=list)
+    left_out: Counter[str] = field(default_factory=Counter)
+    faults: Counter[str] = field(default_factory=Counter)
+    first_fault: dict[str, str] = field(default_factory=dict)
+
+    def fault(self, kind: str, element: str) -> None:
+        self.faults[kind] += 1
+        self.first_fault.setdefault(kind, element)
+
+
+def drawing_of(
+    path: Path, root: ET.Element, page: Page, tolerance: float, colours: Mapping[str, str]
+) -> Drawing:
+    """All shapes that a file draws.
+
+    tolerance : how far chords may leave curves, in units of the page. colours : letters that the
+    user gives, as in `letter_of`. Raises `InvalidFile` where `use` elements draw over 200,000
+    elements.
+    """
+    sheets = style_sheets(root)
+    known = {key: element for element in root.iter() if (key := element.get("id"))}
+    out = Drawing()
+    out.left_out["rules of style sheets"] += sheets.skipped
+    counts: Counter[str] = Counter()
+    drawn = 0
+    first = _Context(page.matrix, page.size)
+    stack: list[tuple[ET.Element, _Context, bool]] = [(root, first, True)]
+    while stack:
+        element, around, outermost = stack.pop()
+        tag = local_name(element)
+        used_symbol = tag == "symbol" and around.label == "symbol"
+        if not tag or (tag in _DEFINITIONS and not used_symbol):
+            continue
+        if tag in _TEXTS or tag in ("image", "foreignObject"):
+            out.left_out["texts" if tag in _TEXTS else f"{tag}s"] += 1
+            continue
+        shape = tag in SHAPES
+        if not shape and tag not in _GROUPS and tag != "symbol":
+            continue
+        drawn += around.uses > 0
+        if drawn > _MOST_SHAPES:
+            raise InvalidFile(
+                f"{path}: its `use` elements draw more than {_MOST_SHAPES} elements. Draw the "
+                "lines themselves."
+            )
+        declared = sheets.of(element)
+        inner = _inherited(around, declared)
+        identity = element.get("id", "")
+        counts[tag] += shape
+        name = f"{tag} {identity!r}" if identity else f"{tag} {counts[tag]}"
+        if (text := declared.get("transform")) is not None:
+            matrix = transform_of(text)
+            if matrix is None:
+                out.fault("transform", name)
+            else:
+                inner = replace(inner, matrix=_product(inner.matrix, matrix))
+        if declared.get("clip-path", "none") != "none" or declared.get("mask", "none") != "none":
+            out.fault("clip", name)
+        if shape:
+            own = (*_names(element), *inner.names)
+            found = _shape(element, tag, name, inner, own, declared, tolerance, colours, out)
+            if found is not None:
+                out.shapes.append(found)
+            continue
+        if _FOLDED_FIGURE.fullmatch(identity):
+            out.left_out["folded figures"] += 1
+            continue
+        if _share(declared.get("opacity"), 1.0) < 1.0:
+            out.fault("group-opacity", name)
+        inner = _within(element, tag, inner, outermost)
+        if tag == "use":
+            stack += _used(element, inner, known, out)
+            continue
+        children = [child for child in element if isinstance(child.tag, str)]
+        if tag == "switch":
+            children = [c for c in children if not c.get("requiredExtensions")][:1]
+        stack += [(child, inner, False) for child in reversed(children)]
+    return out
+
+
+def _names(element: ET.Element) -> Iterator[str]:
+    """What an element is called, the surest first."""
+    get = element.attrib.get
+    letter = get("data-assignment", "").strip().upper()
+    if len(letter) == 1 and letter in LETTERS:
+        yield _NAME_OF_LETTER[letter]
+    for key in (_LABEL, "data-name", _SERIF + "id"):
+        if name := get(key):
+            yield name
+    if classes := get("class"):
+        yield from classes.split()
+    if name := get("id"):
+        yield name
+
+
+_NAME_OF_LETTER = {
+    "B": "boundary",
+    "M": "mountain",
+    "V": "valley",
+    "F": "flat",
+    "U": "unassigned",
+    "C": "cut",
+    "J": "join",
+}
+
+
+def _inherited(around: _Context, declared: dict[str, str]) -> _Context:
+    """The context with what an element itself declares."""
+    if not declared:
+        return around
+    changes: dict[str, object] = {}
+    for key, attribute in (
+        ("color", "colour"),
+        ("stroke", "stroke"),
+        ("fill", "fill"),
+        ("stroke-opacity", "stroke_opacity"),
+    ):
+        value = declared.get(key)
+        if value is not None and value != "inherit":
+            changes[attribute] = value
+    visibility = declared.get("visibility")
+    if visibility is not None and visibility != "inherit":
+        changes["visible"] = visibility == "visible"
+    if declared.get("display") == "none":
+        changes["hidden"] = True
+    return replace(around, **changes) if changes else around  # type: ignore[arg-type]
+
+
+def _within(element: ET.Element, tag: str, context: _Context, outermost: bool) -> _Context:
+    """The context of what is in a group."""
+    if outermost:
+        return context
+    names = (*_names(element), *context.names)
+    label = element.get(_LABEL, "")
+    operation = label if label in OPERATIONS else context.operation
+    out = replace(context, names=names, operation=operation, label="")
+    if tag == "svg" or tag == "symbol":
+        width, height = context.size
+        get = element.attrib.get
+        if tag == "svg":
+            x, y = length_px(get("x"), width), length_px(get("y"), height)
+            out = replace(out, matrix=_product(out.matrix, (1.0, 0.0, 0.0, 1.0, x, y)))
+        across = length_px(get("width"), width, width)
+        up = length_px(get("height"), height, height)
+        matrix, size = viewport_matrix(element.attrib, across, up)
+        out = replace(out, matrix=_product(out.matrix, matrix), size=size)
+    return out
+
+
+def _used(
+    element: ET.Element, context: _Context, known: dict[str, ET.Element], out: Drawing
+) -> list[tuple[ET.Element, _Context, bool]]:
+    """What a `use` element draws."""
+    get = element.attrib.get
+    target = (get("href") or get(_XLINK + "href") or "").strip()
+    if not target.startswith("#"):
+        out.left_out["references to other files"] += 1
+        return []
+    found = known.get(target[1:])
+    if found is None or context.uses >= _DEEPEST_USE:
+        out.fault("use", f"use of {target!r}")
+        return []
+    width, height = context.size
+    x, y = length_px(get("x"), width), length_px(get("y"), height)
+    inner = replace(
+        context,
+        matrix=_product(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y)),
+        uses=context.uses + 1,
+        label=local_name(found),
+    )
+    if inner.label in ("symbol", "svg"):
+        across = length_px(get("width"), width, width)
+        up = length_px(get("height"), height, height)
+        if get("width") or get("height") or inner.label == "symbol":
+            inner = replace(inner, size=(across, up))
+    return [(found, inner, False)]
+
+
+def _product(outer: Matrix, inner: Matrix) -> Matrix:
+    if inner == IDENTITY:
+        return outer
+    a, b, c, d, e, f = outer
+    p, q, r, s, t, u = inner
+    return (
+        a * p + c * q,
+        b * p + d * q,
+        a * r + c * s,
+        b * r + d * s,
+        a * t + c * u + e,
+        b * t + d * u + f,
+    )
+
+
+def _share(text: str | None, default: float) -> float:
+    """A number or percentage from 0 to 1, as opacities are."""
+    if text is None:
+        return default
+    plain = text.strip()
+    try:
+        value = float(plain[:-1]) / 100 if plain.endswith("%") else float(plain)
+    except ValueError:
+        return default
+    return min(max(value, 0.0), 1.0) if value == value else default
+
+
+def _shape(
+    element: ET.Element,
+    tag: str,
+    name: str,
+    context: _Context,
+    names: tuple[str, ...],
+    declared: dict[str, str],
+    tolerance: float,
+    colours: Mapping[str, str],
+    out: Drawing,
+) -> Shape | None:
+    if context.hidden or not context.visible:
+        out.left_out["hidden shapes"] += 1
+        return None
+    stroke = context.colour if context.stroke.lower() == "currentcolor" else context.stroke
+    fill = context.colour if context.fill.lower() == "currentcolor" else context.fill
+    stroked = not _is_none(stroke)
+    filled = not _is_none(fill) and tag != "line"
+    place = Place(context.matrix, context.size, tolerance)
+    try:
+        drawn = drawn_shape(tag, element.attrib, place)
+    except (OverflowError, ValueError):
+        out.fault("shape", name)
+        return None
+    if drawn.broken:
+        out.fault("shape", name)
+    if not drawn.runs:
+        return None
+    colour = stroke if stroked else fill if filled else None
+    letter = letter_of(colour, names, colours)
+    alpha = 1.0
+    if stroked and (found := colour_of(stroke)) is not None:
+        alpha = found[1]
+    opacity = alpha * _share(declared.get("opacity"), 1.0)
+    opacity *= _share(context.stroke_opacity, 1.0)
+    sign = {"M": -1.0, "V": 1.0, "U": 0.0}.get(letter or "")
+    angle = np.nan
+    if sign is not None:
+        angle = 180.0 * sign * opacity + 0.0 if sign else np.nan
+        given = element.get("data-foldAngle")
+        if given is not None:
+            try:
+                value = float(given)
+            except ValueError:
+                value = np.nan
+            if abs(value) <= 180 and value * sign >= 0:
+                angle = value + 0.0
+    return Shape(
+        name,
+        drawn,
+        colour,
+        letter,
+        angle,
+        opacity == 1.0,
+        stroked,
+        filled,
+        tag == "circle" or tag == "ellipse",
+        context.operation,
+    )
+
+
+def _is_none(paint: str) -> bool:
+    plain = paint.strip().lower()
+    if plain in ("none", "transparent", ""):
+        return True
+    found = colour_of(plain)
+    return found is not None and found[1] == 0.0
