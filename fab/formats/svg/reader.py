@@ -22,6 +22,7 @@ from fab.formats.drawn.letters import unlettered_finding
 from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
+from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.safe_xml import Document, read_xml
 from fab.formats.svg.styles import local_name
 from fab.formats.svg.tree import Drawing, Shape, drawing_of
@@ -57,7 +58,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     file: 1/72 inch for Adobe Illustrator, 1/90 for Inkscape before 0.92, else 1/96.
 
     Raises `InvalidFile` for files that are not SVG, without a line, with images alone, with more
-    than a million lines or coordinates beyond 1e9, and all that `read_xml` refuses.
+    than a million lines or coordinates beyond 1e9, with lengths that are none, and all that
+    `read_xml` refuses.
     """
     document = read_xml(path)
     root = document.root
@@ -67,6 +69,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
             f"{path}: the outermost element is {tag!r}, not svg. Save the drawing as SVG."
         )
     px_mm, of_program = _pixel(document)
+    require_lengths(path, "the outermost svg", "svg", root.attrib)
     page = page_of(root.attrib, options.mm_per_unit if options.mm_per_unit else px_mm)
     mm_per_unit = 1.0 if page.physical else options.mm_per_unit or px_mm
     drawing = drawing_of(path, root, page, FLATNESS_MM / mm_per_unit, options.colours)

@@ -65,10 +65,10 @@ def drawn_shape(tag: str, attributes: Mapping[str, str], place: Place) -> Drawn:
     width, height = place.size
 
     def x_of(name: str) -> float:
-        return _drawn_px(attributes.get(name), width)
+        return length_px(attributes.get(name), width)
 
     def y_of(name: str) -> float:
-        return _drawn_px(attributes.get(name), height)
+        return length_px(attributes.get(name), height)
 
     match tag:
         case "line":
@@ -87,7 +87,7 @@ def drawn_shape(tag: str, attributes: Mapping[str, str], place: Place) -> Drawn:
         case "circle" | "ellipse":
             if tag == "circle":
                 diagonal = math.hypot(width, height) / math.sqrt(2)
-                rx = ry = _drawn_px(attributes.get("r"), diagonal)
+                rx = ry = length_px(attributes.get("r"), diagonal)
             else:
                 rx, ry = _radii(attributes, place.size)
             if not (rx > 0 and ry > 0):
@@ -114,9 +114,9 @@ def _radii(attributes: Mapping[str, str], size: tuple[float, float]) -> tuple[fl
 
 def _rectangle(attributes: Mapping[str, str], place: Place) -> Drawn:
     width, height = place.size
-    x, y = _drawn_px(attributes.get("x"), width), _drawn_px(attributes.get("y"), height)
-    across = _drawn_px(attributes.get("width"), width)
-    up = _drawn_px(attributes.get("height"), height)
+    x, y = length_px(attributes.get("x"), width), length_px(attributes.get("y"), height)
+    across = length_px(attributes.get("width"), width)
+    up = length_px(attributes.get("height"), height)
     if not (across > 0 and up > 0):
         return Drawn()
     rx, ry = _radii(attributes, place.size)
@@ -333,8 +333,3 @@ def _straight_path(data: str, matrix: Matrix) -> Drawn:
     finish(closed=False)
     out.broken = out.broken or pending is not None or (fresh and command not in ("", "Z", "z"))
     return out
-
-
-def _drawn_px(text: str | None, whole: float) -> float:
-    """A length of a shape: 0 where it is left out, NaN, which is refused, where it is none."""
-    return length_px(text, whole, 0.0 if text is None else np.nan)

@@ -19,6 +19,7 @@ from fab.errors import InvalidFile
 from fab.formats.drawn.letters import colour_of, letter_of
 from fab.formats.drawn.line_soup import LETTERS
 from fab.formats.drawn.own_sheets import OPERATIONS
+from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
 from fab.formats.svg.styles import local_name, style_sheets
 from fab.formats.svg.viewports import (
@@ -113,8 +114,8 @@ def drawing_of(
     """All shapes that a file draws.
 
     tolerance : how far chords may leave curves, in units of the page. colours : letters that the
-    user gives, as in `letter_of`. Raises `InvalidFile` where `use` elements draw over 200,000
-    elements.
+    user gives, as in `letter_of`. Raises `InvalidFile` for lengths that are none, and where `use`
+    elements draw over 200,000 elements.
     """
     sheets = style_sheets(root)
     known = {key: element for element in root.iter() if (key := element.get("id"))}
@@ -145,8 +146,10 @@ def drawing_of(
         declared = sheets.of(element)
         inner = _inherited(around, declared)
         identity = element.get("id", "")
-        counts[tag] += shape
+        counts[tag] += 1
         name = f"{tag} {identity!r}" if identity else f"{tag} {counts[tag]}"
+        if inner.visible and not inner.hidden:
+            require_lengths(path, name, tag, element.attrib)
         if (text := declared.get("transform")) is not None:
             matrix = transform_of(text)
             if matrix is None:

@@ -14,6 +14,7 @@ __all__ = [
     "PX_MM",
     "Matrix",
     "Page",
+    "is_length",
     "length_px",
     "numbers",
     "page_of",
@@ -38,6 +39,8 @@ _PHYSICAL_MM = {
     "pt": _INCH_MM / 72,
     "pc": _INCH_MM / 6,
 }
+# Of the window that shows the drawing.
+_OF_WINDOW = frozenset({"vw", "vh", "vmin", "vmax"})
 _RELATIVE_PX = {"": 1.0, "px": 1.0, "em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}
 
 
@@ -46,15 +49,24 @@ def numbers(text: str) -> list[float]:
     return [float(found) for found in _NUMBER.findall(text)]
 
 
+def is_length(text: str) -> bool:
+    """Whether a text is a finite number, alone or with a unit of SVG."""
+    found = _LENGTH.match(text)
+    if found is None or not math.isfinite(float(found[1])):
+        return False
+    unit = found[2].lower()
+    return unit == "%" or unit in {*_PHYSICAL_MM, *_RELATIVE_PX, *_OF_WINDOW}
+
+
 def length_px(text: str | None, whole: float, default: float = 0.0) -> float:
-    """A length in CSS pixels; percentages are of `whole`. The default where it is no length."""
+    """A length in CSS pixels, the default where it is none; percentages are of `whole`."""
     if text is None:
         return default
     found = _LENGTH.match(text)
     if found is None:
         return default
     value, unit = float(found[1]), found[2].lower()
-    if unit == "%":
+    if unit == "%" or unit in _OF_WINDOW:
         return value / 100 * whole
     if unit in _PHYSICAL_MM:
         return value * _PHYSICAL_MM[unit] / PX_MM
@@ -83,7 +95,7 @@ def viewport_matrix(
 ) -> tuple[Matrix, tuple[float, float]]:
     """From the user space of a viewBox onto a viewport of this size, and the size of that space.
 
-    A missing, empty or unreadable viewBox is that of the viewport itself.
+    A missing viewBox is that of the viewport itself.
     """
     box = numbers(attributes.get("viewBox", ""))
     if len(box) != 4 or not (0 < box[2] < math.inf and 0 < box[3] < math.inf):
@@ -166,7 +178,7 @@ def _side(text: str | None) -> tuple[float | None, float | None]:
     if found is None:
         return None, None
     value, unit = float(found[1]), found[2].lower()
-    if not 0 < value < math.inf or unit == "%":
+    if not 0 < value < math.inf or unit == "%" or unit in _OF_WINDOW:
         return None, None
     if unit in _PHYSICAL_MM:
         return value * _PHYSICAL_MM[unit], None

@@ -1,5 +1,6 @@
 """SVG files of many programs give the lines, letters and angles that their drawings show."""
 
+import re
 from collections import Counter
 from math import pi
 from pathlib import Path
@@ -18,6 +19,7 @@ from fab.errors import InvalidFile
 from fab.formats.drawn.line_soup import LineSoup
 from fab.formats.read_options import ReadOptions
 from fab.formats.svg.reader import FLATNESS_MM, read_svg
+from fab.formats.svg.viewports import PX_MM
 from fab.formats.svg.writer import simulator_svg_bytes
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.crease_styles import DashStyle, DotStyle
@@ -374,7 +376,7 @@ def test_broken_data_is_read_up_to_its_fault(tmp_path):
     assert lengths(soup.lines_coords, soup.lines_assignment)["V"] > 9
     assert "2 shapes" in text_of(soup, "shape-unreadable")
     assert "path 1" in text_of(soup, "shape-unreadable")
-    assert "g 0" in text_of(soup, "transform-unreadable")
+    assert "g 1" in text_of(soup, "transform-unreadable")
 
 
 def test_marks_of_vertices_are_left_out(tmp_path):
@@ -407,7 +409,6 @@ def test_marks_of_vertices_are_left_out(tmp_path):
         ('width="400" viewBox="0 0 200 100"', 200 * 25.4 / 96, False),
         ('width="100%" height="100%" viewBox="0 0 200 100"', 100 * 25.4 / 96, False),
         ("", 100 * 25.4 / 96, False),
-        ('viewBox="0 0 0 10" width="x"', 100 * 25.4 / 96, False),
     ],
 )
 def test_units(attributes, mm, known, tmp_path):
@@ -571,5 +572,57 @@ def test_coordinates_that_are_no_numbers_are_refused(tmp_path, value):
         '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9">'
         f'<line x1="{value}" y1="0" x2="5" y2="9" stroke="#f00"/></svg>'
     )
-    with pytest.raises(InvalidFile, match="line 1 has a coordinate of"):
+    with pytest.raises(InvalidFile, match=f"x1 = '{value}' of line 1 is no length"):
         read_svg(path, ReadOptions())
+
+
+LINE = '<path d="M0 0H9" stroke="red"/>'
+HREF = 'href="#part"'
+
+
+@pytest.mark.parametrize(
+    ("page", "content", "place"),
+    [
+        ('width="x" height="9mm"', LINE, "width = 'x' of the outermost svg is no length"),
+        ('width="9mm" height="nan"', LINE, "height = 'nan' of the outermost svg is no length"),
+        ('width="9parsec"', LINE, "width = '9parsec' of the outermost svg is no length"),
+        ('viewBox="0 0 9"', LINE, "viewBox = '0 0 9' of the outermost svg is no rectangle"),
+        ('viewBox="0 0 0 9"', LINE, "'0 0 0 9' of the outermost svg is no rectangle"),
+        ('viewBox="0 0 9 9 9"', LINE, "'0 0 9 9 9' of the outermost svg is no rectangle"),
+        ('viewBox="0 0 9 nan"', LINE, "'0 0 9 nan' of the outermost svg is no rectangle"),
+        ('viewBox="0 0 9 1e999"', LINE, "'0 0 9 1e999' of the outermost svg is no rectangle"),
+        ("", f'<svg x="left">{LINE}</svg>', "x = 'left' of svg 2 is no length"),
+        ("", f'<svg id="in" viewBox="a">{LINE}</svg>', "viewBox = 'a' of svg 'in' is no rectangle"),
+        ("", f'<use {HREF} x="abc"/>', "x = 'abc' of use 1 is no length"),
+        ("", f'<use {HREF} y=""/>', "y = '' of use 1 is no length"),
+        ("", f'<use {HREF} width="1,5"/>', "width = '1,5' of use 1 is no length"),
+        ("", '<rect width="a" height="2" stroke="red"/>', "width = 'a' of rect 1 is no length"),
+        ("", '<rect width="3" height="2" rx="b"/>', "rx = 'b' of rect 1 is no length"),
+        ("", '<circle r="wide" stroke="red"/>', "r = 'wide' of circle 1 is no length"),
+    ],
+)
+def test_lengths_of_viewports_uses_and_shapes_that_are_none_are_refused(
+    tmp_path, page, content, place
+):
+    path = tmp_path / "odd.svg"
+    part = '<defs><path id="part" d="M0 0H5" stroke="red"/></defs>'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {page}>{part}{content}</svg>')
+    with pytest.raises(InvalidFile, match=re.escape(place)):
+        read_svg(path, ReadOptions())
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        'width="auto" height="auto" viewBox="0,0,9,9"',
+        'width="100vw" height="100VH" viewBox=" 0 0  9 , 9 "',
+        'width="100%" viewBox="0 0 9 9"',
+        'x="0" y="0px" width=" 9 " viewBox="0 0 9e0 +9.0"',
+    ],
+)
+def test_lengths_that_programs_write_are_read(tmp_path, page):
+    path = tmp_path / "page.svg"
+    hidden = '<g display="none"><rect width="none" height="1"/></g>'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {page}>{hidden}{LINE}</svg>')
+    soup = read_svg(path, ReadOptions())
+    assert np.ptp(soup.lines_coords[..., 0]) * soup.mm_per_unit == pytest.approx(9 * PX_MM)
