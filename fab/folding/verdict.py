@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fab.errors import Finding, Severity, first_few
+from fab.errors import Finding, Severity, counted, first_few
 from fab.folding.bar_hinge_model import Framework
 from fab.folding.misplaced_vertices import Misplaced
 from fab.folding.quasi_static import Folding, FoldState
@@ -194,7 +194,7 @@ def _target_not_reached(
         return None
     text = (
         "the sheet does not fold to its target: "
-        f"{_counted(len(verdict.wrong_creases), 'crease')} on the wrong side, "
+        f"{counted(len(verdict.wrong_creases), 'crease')} on the wrong side, "
         f"{len(verdict.off_creases)} off by over {tolerance.angle_deg:g} degrees (at most "
         f"{verdict.angle_error_max_deg:.3g}), strain up to {verdict.strain_max:.2%}"
     )
@@ -312,11 +312,7 @@ def _strained_on_the_way(verdict: Verdict, tolerance: Tolerance) -> Finding | No
 
 def _free_creases(verdict: Verdict) -> str:
     """Such as "1 crease turns freely"."""
-    return f"{_counted(verdict.free, 'crease')} {'turns' if verdict.free == 1 else 'turn'} freely"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}{'' if count == 1 else 's'}"
+    return f"{counted(verdict.free, 'crease')} {'turns' if verdict.free == 1 else 'turn'} freely"
 
 
 def _crease_errors(frame: Framework, coords: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, Severity
+from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
 from fab.formats.drawn.letters import unlettered_finding
 from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup
@@ -84,8 +84,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
             Finding(
                 "curve-flattened",
                 Severity.NOTE,
-                f"{_count(curves, 'curve')} became chords that leave the curve by up to "
-                f"{FLATNESS_MM:g} mm; the drawing has {_count(chords, 'line')} in all.",
+                f"{counted(curves, 'curve')} became chords that leave the curve by up to "
+                f"{FLATNESS_MM:g} mm; the drawing has {counted(chords, 'line')} in all.",
             )
         )
     if as_outlines:
@@ -94,7 +94,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
                 "outline-of-fill",
                 Severity.WARNING,
                 f"nothing in the drawing has a stroke: the outlines of "
-                f"{_count(len(taken), 'filled shape')} are taken for its lines, with the letters "
+                f"{counted(len(taken), 'filled shape')} are taken for its lines, with the letters "
                 "of their fills. Give the lines strokes where this is not meant.",
             )
         )
@@ -128,10 +128,6 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     if open_letters:
         findings.append(unlettered_finding(open_letters))
     return replace(soup, findings=(*findings, *soup.findings))
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 # --- which program, what size ---
@@ -199,7 +195,7 @@ def _chosen(path: Path, drawing: Drawing) -> tuple[list[Shape], bool]:
     left_out = {kind: count for kind, count in drawing.left_out.items() if count}
     if set(left_out) == {"images"}:
         raise InvalidFile(
-            f"{path}: the drawing has {_count(left_out['images'], 'image')} and no line: it is a "
+            f"{path}: the drawing has {counted(left_out['images'], 'image')} and no line: it is a "
             "picture of pixels. Trace it to lines with a drawing program, and save those."
         )
     what = f" It has {_listed(left_out)} alone." if left_out else ""
@@ -270,7 +266,7 @@ def _no_vertex_marks(
             Finding(
                 "vertex-mark",
                 Severity.NOTE,
-                f"{_count(len(marks), 'small circle')} at the ends of lines: taken for marks of "
+                f"{counted(len(marks), 'small circle')} at the ends of lines: taken for marks of "
                 "vertices, and left out.",
             )
         )
@@ -286,7 +282,7 @@ def _with_length(coords: FloatArray, findings: list[Finding]) -> BoolArray:
             Finding(
                 "line-without-length",
                 Severity.NOTE,
-                f"{_count(count, 'line')} without length: left out.",
+                f"{counted(count, 'line')} without length: left out.",
             )
         )
     return kept
@@ -342,7 +338,7 @@ def _left_out_findings(drawing: Drawing) -> list[Finding]:
         if count := drawing.faults[kind]:
             first = drawing.first_fault[kind]
             out.append(
-                Finding(code, severity, text.format(count=_count(count, thing), first=first))
+                Finding(code, severity, text.format(count=counted(count, thing), first=first))
             )
     return out
 
