@@ -9,9 +9,9 @@ from __future__ import annotations
 import click
 
 from fab.cli.folding import simulate
-from fab.cli.formats import check, convert
 from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
+from fab.cli.patterns import check, convert
 from fab.cli.sheets import coupon, fabricate, shipped
 
 __all__ = ["main"]

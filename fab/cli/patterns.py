@@ -1,4 +1,4 @@
-"""Commands about files of other programs."""
+"""Commands about a pattern itself: measured, and converted for other programs."""
 
 from __future__ import annotations
 
