@@ -15,7 +15,15 @@ from fab.pattern.overlap import overlapping_faces
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["SLACK_REL", "FaceSets", "Sheet", "extent", "outer_corners", "outline", "upright"]
+__all__ = [
+    "SLACK_REL",
+    "FaceSets",
+    "SheetToDivide",
+    "extent",
+    "outer_corners",
+    "outline",
+    "upright",
+]
 
 # Rounding must not refuse a piece that is exactly as large as the bed.
 SLACK_REL = 1e-9
@@ -26,7 +34,7 @@ _MOST_SIDES = 400
 
 
 @dataclass(frozen=True)
-class Sheet:
+class SheetToDivide:
     """A sheet to be divided, and the bounds of its pieces.
 
     Attributes
@@ -81,7 +89,7 @@ class _Ragged:
 class FaceSets:
     """Faces of a sheet, with their areas, boxes and neighbours, and the pairs that overlap."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: SheetToDivide) -> None:
         pattern = sheet.pattern
         self.sheet = sheet
         self.count = pattern.face_count
@@ -185,7 +193,7 @@ def _place(rising: IntArray, numbers: IntArray) -> IntArray:
     return np.where(rising[place] == numbers, place, -1)
 
 
-def outline(sheet: Sheet, faces: IntArray) -> tuple[IntArray, IntArray]:
+def outline(sheet: SheetToDivide, faces: IntArray) -> tuple[IntArray, IntArray]:
     """Edges with the set on one side only, and the side: 0 for that of the first face."""
     faces = np.sort(faces)
     sides = sheet.sides.at(faces)[0]
@@ -193,7 +201,7 @@ def outline(sheet: Sheet, faces: IntArray) -> tuple[IntArray, IntArray]:
     return outer // 2, outer % 2
 
 
-def extent(sheet: Sheet, faces: IntArray) -> FloatArray:
+def extent(sheet: SheetToDivide, faces: IntArray) -> FloatArray:
     """Points whose hull contains a set of faces with tabs on all its seams, mm, shape (n, 2)."""
     edges, side = outline(sheet, faces)
     seam = sheet.joined[edges] | sheet.glued[edges]

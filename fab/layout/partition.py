@@ -14,7 +14,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from fab.layout.face_sets import SLACK_REL, FaceSets, Sheet, extent, upright
+from fab.layout.face_sets import SLACK_REL, FaceSets, SheetToDivide, extent, upright
 from fab.progress import Steps, no_steps
 from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray, IntArray
@@ -32,7 +32,7 @@ _ROUNDS = 4
 _FIRST_RUN = 64
 
 
-def partition(sheet: Sheet, progress: Steps = no_steps) -> list[IntArray]:
+def partition(sheet: SheetToDivide, progress: Steps = no_steps) -> list[IntArray]:
     """Sets of faces, each connected, free of overlaps and within the room; the faces of each rise.
 
     A set may have holes, but its outline nowhere touches itself in a vertex. As few sets as the

@@ -18,7 +18,7 @@ from fab.errors import Finding
 from fab.geometry.bodies import Bodies, TriangleMesh
 from fab.geometry.booleans import joined_mesh
 from fab.layout.assembly_order import assembly_order, piece_name
-from fab.layout.face_sets import Sheet, extent, outer_corners, upright
+from fab.layout.face_sets import SheetToDivide, extent, outer_corners, upright
 from fab.layout.nesting import Placements, nest
 from fab.layout.partition import partition
 from fab.panels.thick_sheet import ThickSheet
@@ -211,7 +211,7 @@ def _flat(
     bed_mm: tuple[float, float],
     room_mm: tuple[float, float],
     settings: PlateSettings,
-) -> Sheet:
+) -> SheetToDivide:
     """What is divided: the pattern, with room for tongues on both sides of all creases."""
     pattern = sheet.pattern
     ends = pattern.vertices_coords[pattern.edges_vertices]
@@ -223,7 +223,7 @@ def _flat(
         "on each side"
     )
     none = np.zeros(len(joined), bool)
-    return Sheet(pattern, joined, reach, none, room_mm, room_text, ("joints", "depth_mm"))
+    return SheetToDivide(pattern, joined, reach, none, room_mm, room_text, ("joints", "depth_mm"))
 
 
 def _cuts(edges_faces: IntArray, edges: IntArray, owner: IntArray) -> IntArray:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fab.layout.assembly_order import piece_name
-from fab.layout.face_sets import Sheet, extent, upright
+from fab.layout.face_sets import SheetToDivide, extent, upright
 from fab.pattern.crease_pattern import CreasePattern, face_normals
 from fab.sheets.glue_tabs import Tabs
 from fab.sheets.labels import Label, number_text
@@ -56,7 +56,7 @@ class Division:
     label_mm : greatest height of numbers.
     """
 
-    sheet: Sheet
+    sheet: SheetToDivide
     sides: SeamSides
     tabs: Tabs
     label_mm: float

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from fab.errors import Finding, Severity, counted, first_few
 from fab.layout.assembly_order import assembly_order
-from fab.layout.face_sets import Sheet, outer_corners
+from fab.layout.face_sets import SheetToDivide, outer_corners
 from fab.layout.partition import partition
 from fab.pattern.closing_edges import closing_edges, closing_edges_by_angles
 from fab.pattern.crease_pattern import CreasePattern
@@ -130,7 +130,7 @@ def _require_bed(settings: SheetSplit, bed_mm: tuple[float, float]) -> None:
 
 def _sheet(
     pattern: CreasePattern, settings: SheetSplit, bed_mm: tuple[float, float], closing: IntArray
-) -> Sheet:
+) -> SheetToDivide:
     """The pattern, and what its pieces must keep to: the room on the bed, with their tabs."""
     border = settings.border_mm
     joined = pattern.edges_joining
@@ -141,7 +141,7 @@ def _sheet(
         f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less {border:g} mm on each side "
         f"({settings.border_text})"
     )
-    return Sheet(pattern, joined, _reach(pattern, settings), glued, room, room_text)
+    return SheetToDivide(pattern, joined, _reach(pattern, settings), glued, room, room_text)
 
 
 def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:
@@ -159,7 +159,7 @@ def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:
 
 
 def _assembled(
-    sheet: Sheet, sets: Sequence[IntArray], closing: IntArray
+    sheet: SheetToDivide, sets: Sequence[IntArray], closing: IntArray
 ) -> tuple[list[IntArray], IntArray]:
     """The sets of faces in the order of assembling, and the number of each face's set, (nf,)."""
     pattern = sheet.pattern
