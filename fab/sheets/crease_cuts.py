@@ -23,7 +23,14 @@ from fab.sheets.crease_styles import (
 from solver.errors import InvalidValue, require_finite
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["SHORTEST_CUT_MM", "Cuts", "cuts_along", "require_kerf", "unscaled_length"]
+__all__ = [
+    "SHORTEST_CUT_MM",
+    "Cuts",
+    "cuts_along",
+    "require_dashes",
+    "require_kerf",
+    "unscaled_length",
+]
 
 # The room of a crease between its margins must be longer than this to be cut; pierces are drawn as
 # cuts of this length.
@@ -119,6 +126,17 @@ def unscaled_length(style: CreaseStyle, near_mm: float, periods: int = 2) -> flo
     return first + period * max(periods, round((near_mm - first) / period))
 
 
+def require_dashes(count: int) -> None:
+    """Raise `InvalidValue` for more than 5 million cuts in all."""
+    if count > _MOST_DASHES:
+        raise InvalidValue(
+            "number of dashes",
+            count,
+            f"be at most {_MOST_DASHES}",
+            "Raise cut_mm and gap_mm, or make the sheet smaller or fewer copies of it.",
+        )
+
+
 def require_kerf(kerf_mm: float) -> None:
     """Raise `InvalidValue` unless `kerf_mm` is from 0 to 10."""
     require_finite("kerf_mm", kerf_mm)
@@ -161,13 +179,7 @@ def _rows(room: FloatArray, style: CreaseStyle, kerf_mm: float, made: int) -> li
     shifted, beside = np.where(many, repeats, 0), np.where(many, whole, 0)
     counts = [whole, *(shifted if row % 2 else beside for row in range(1, len(heights)))]
     total = made + sum(int(count.sum()) for count in counts)
-    if total > _MOST_DASHES:
-        raise InvalidValue(
-            "number of dashes",
-            total,
-            f"be at most {_MOST_DASHES}",
-            "Raise cut_mm and gap_mm, or make the sheet smaller.",
-        )
+    require_dashes(total)
     start = np.where(repeats > 0, 0.0, (room - scale * first) / 2)
     rows = []
     for row, (count, height) in enumerate(zip(counts, heights, strict=True)):

@@ -23,6 +23,7 @@ from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Progress, silent
+from fab.sheets.crease_cuts import require_dashes
 from fab.sheets.crease_findings import crease_findings
 from fab.sheets.cutting_order import tour
 from fab.sheets.feature_size import narrow_faces
@@ -66,7 +67,8 @@ def fabricate(
     them (0 or 1) carries the tab, and of each the sheet and the middle of the edge on it: of the
     first copy, on the front.
 
-    Raises `InvalidValue` where a face is larger than the bed, or a style does not suit the kerf.
+    Raises `InvalidValue` where a face is larger than the bed, a style does not suit the kerf, or
+    all copies of all pieces have more than 5 million dashes.
     """
     progress("split", 0, 1)
     pieces, split_findings = split(
@@ -145,9 +147,12 @@ def _cut_pieces(
     style, kerf_mm = request.perforation, request.machine.kerf_mm
     alone = len(pieces.pieces) == 1
     layers, creases, findings = [], [], []
+    dashes = 0
     for number, piece in enumerate(pieces.pieces):
         progress("perforate", number, len(pieces.pieces))
         cut = cut_piece(piece.pattern, style, kerf_mm)
+        dashes += request.copies * int(cut.creases.cuts.sum())
+        require_dashes(dashes)
         creases.append(replace(cut.creases, numbers=piece.edges[cut.creases.numbers]))
         findings += [_of_piece(piece, finding, alone=alone) for finding in cut.findings]
         layers.append((*cut.layers, engraved(piece.labels)) if pieces.labelled else cut.layers)

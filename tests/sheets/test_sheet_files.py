@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -35,7 +36,7 @@ from fab.outputs import left_over
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.labels import number_text
 from fab.sheets.materials import load_machine, load_material, perforation_for
-from fab.sheets.perforation import cut_layers
+from fab.sheets.perforation import cut_layers, cut_piece
 from fab.sheets.pieces import split
 from fab.sheets.registration import Registration
 from fab.sheets.sheet_files import fabricate, sheet_names
@@ -350,6 +351,30 @@ def test_threads_of_pieces_are_placed_or_refused(tmp_path):
         made = fabricate(scaled(pattern, width_mm=15000.0), "ribbon", request)
     assert sum(piece["faces"] for piece in made.report["pieces"]) == 400
     assert len(made.report["glue_up"]) >= len(made.report["pieces"]) - 1
+
+
+def test_the_bound_of_dashes_is_on_all_copies_of_all_pieces_together(monkeypatch):
+    from fab.sheets import crease_cuts
+
+    pattern = scaled(read_pattern(PATTERNS / "yoshimura.fold")[0], width_mm=500.0)
+    machine = load_machine(MACHINE).model_copy(update={"bed_mm": (300.0, 300.0)})
+    material = load_material("card_300gsm")
+    request = SheetRequest(material, machine, formats=[SheetFormat.DXF])
+    pieces = split(pattern, request.split, machine.bed_mm)[0].pieces
+    counts = [
+        int(cut_piece(piece.pattern, request.perforation, machine.kerf_mm).creases.cuts.sum())
+        for piece in pieces
+    ]
+    assert len(counts) > 1
+    monkeypatch.setattr(crease_cuts, "_MOST_DASHES", sum(counts))
+    fabricate(pattern, "sheet", request)
+    monkeypatch.setattr(crease_cuts, "_MOST_DASHES", sum(counts) - 1)
+    assert max(counts) < sum(counts) - 1
+    with pytest.raises(InvalidValue, match=f"number of dashes = {sum(counts)} .*fewer copies"):
+        fabricate(pattern, "sheet", request)
+    monkeypatch.setattr(crease_cuts, "_MOST_DASHES", 2 * sum(counts) - 1)
+    with pytest.raises(InvalidValue, match=f"number of dashes = {2 * sum(counts)} "):
+        fabricate(pattern, "sheet", replace(request, copies=2))
 
 
 def test_the_same_pattern_gives_the_same_bytes():
