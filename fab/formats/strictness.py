@@ -10,7 +10,9 @@ from fab.formats.read_options import ReadOptions
 
 __all__ = ["FACTS", "is_repair", "require_no_repairs"]
 
-# What is as it was drawn, or as the user said: the pattern means nothing else than the file.
+# What is as it was drawn, or as the user said: the pattern means nothing else than the file. Lines
+# that cross, or of which one ends on another, are drawn so on purpose, and meet where they do; ends
+# that were moved to get there are repairs ("ends-joined", "ends-extended", "lines-bent").
 FACTS = frozenset(
     {
         # of the file
@@ -34,6 +36,7 @@ FACTS = frozenset(
         "curve-flattened",
         "curves-flattened",
         "dashes-joined",
+        "lines-split",
         "off-plane",
         "runs-joined",
         # of the sheet

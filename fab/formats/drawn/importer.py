@@ -44,11 +44,11 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
 
     Raises `InvalidFile` with the place and the cure for what can be meant in more than one way, or
     for the first repair where `options.strict`. Codes of the findings, beside those of the reader:
-    "unit-unknown", "ends-joined", "ends-extended", "lines-split", "lines-bent", "duplicate-line",
+    "unit-unknown", "ends-joined", "ends-extended", "lines-bent", "duplicate-line",
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
     "border-inside", "border-shared", "page-frame", "line-outside", "island-joined",
     "fold-angle-missing", "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs,
-    "runs-joined", "hole", "crease-dangling", "letters-assignable", "letters-assigned",
+    "lines-split", "runs-joined", "hole", "crease-dangling", "letters-assignable", "letters-assigned",
     "letters-contradict".
     """
     options = ReadOptions() if options is None else options
