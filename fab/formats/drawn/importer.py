@@ -48,8 +48,8 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
     "border-inside", "border-shared", "page-frame", "line-outside", "island-joined",
     "fold-angle-missing", "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs,
-    "lines-split", "runs-joined", "hole", "crease-dangling", "letters-assignable", "letters-assigned",
-    "letters-contradict".
+    "lines-split", "runs-joined", "hole", "crease-dangling", "letters-assignable",
+    "letters-assigned", "letters-contradict".
     """
     options = ReadOptions() if options is None else options
     if soup.border_is_cut:
