@@ -9,10 +9,10 @@ import numpy as np
 
 from fab.errors import Finding, Severity, counted
 from fab.geometry.bodies import Bodies, TriangleMesh
-from fab.geometry.booleans import manifold_of
+from fab.geometry.booleans import manifold_of, manifolds
 from fab.panels.thick_sheet import ThickSheet
 from solver.graphs import labels
-from solver.vectors import IntArray
+from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from manifold3d import Manifold
@@ -117,14 +117,56 @@ def inspect_joined(sheet: ThickSheet, joined: TriangleMesh) -> list[Finding]:
     total = float(sheet.bodies.volumes_mm3().sum())
     if whole.status() == Error.NoError and abs(whole.volume() - total) <= _JOINED_REL * total:
         return []
+    fault, place = _fault(sheet, joined, whole)
+    bodies = _nearest(sheet.bodies, place)
+    panel, crease = sheet.faces[bodies], sheet.creases[bodies]
+    near = "".join(f", near {sheet.names[body].replace('_', ' ')}" for body in bodies)
     return [
         Finding(
             "joined-invalid",
             Severity.ERROR,
             f"The joined body is not a valid solid: {whole.status().name}, volume "
-            f"{whole.volume():.6g} of {total:.6g} mm3. Report this with the job.",
+            f"{whole.volume():.6g} of {total:.6g} mm3; {fault}{near}. Take the single bodies "
+            "(--only zip), or change gap_mm or thickness_mm a little; report this with the job.",
+            creases=tuple(crease[crease >= 0].tolist()),
+            panels=tuple(panel[(panel >= 0) & (crease < 0)].tolist()),
         )
     ]
+
+
+def _fault(sheet: ThickSheet, joined: TriangleMesh, whole: Manifold) -> tuple[str, FloatArray]:
+    """What is wrong with the joined surface, and where in the sheet, mm; NaN where nowhere."""
+    from manifold3d import Error, Manifold, OpType
+
+    nowhere = np.full(3, np.nan)
+    # the joined surface stands on z = 0
+    lift = np.array([0.0, 0.0, sheet.joining.vertices_coords[:, 2].min(initial=0.0)])
+    if whole.status() != Error.NoError:
+        count = len(joined.vertices_coords)
+        sides = joined.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        matched = np.isin(sides @ [count, 1], sides @ [1, count])
+        if matched.all():
+            return "its surface meets itself", nowhere
+        place = joined.vertices_coords[sides[~matched][0]].mean(axis=0) + lift
+        return f"it is open at {counted(int((~matched).sum()), 'edge')}", place
+    moved = whole.translate(tuple(lift))
+    bodies = Manifold.batch_boolean(manifolds(sheet.bodies), OpType.Add)
+    kinds = {"is missing": bodies - moved, "is too much": moved - bodies}
+    what, amiss = max(kinds.items(), key=lambda item: item[1].volume())
+    if amiss.volume() <= _JOINED_REL * bodies.volume():
+        return "bodies overlap each other", nowhere
+    largest = max(amiss.decompose(), key=lambda part: part.volume())
+    low, high = np.split(np.array(largest.bounding_box()), 2)
+    return f"{largest.volume():.3g} mm3 {what} in one place", (low + high) / 2
+
+
+def _nearest(bodies: Bodies, place: FloatArray) -> IntArray:
+    """The body whose box is nearest to a place, shape (1,); none for a place that is NaN."""
+    if np.isnan(place).any():
+        return np.empty(0, np.int64)
+    low, high = bodies.boxes()
+    off = np.maximum(np.maximum(low - place, place - high), 0.0)
+    return np.array([np.argmin(np.hypot(np.hypot(off[:, 0], off[:, 1]), off[:, 2]))])
 
 
 def parts_of(bodies: Bodies) -> IntArray:

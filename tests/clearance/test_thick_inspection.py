@@ -1,5 +1,6 @@
 """Bodies stay apart in all states: exact distances, known overlaps, and what must be refused."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,7 @@ from thick_sheets import SIDE_MM, book, creased, folded, in_pose, solid
 
 from fab import read_pattern
 from fab.clearance.promised_distances import promised_mm
-from fab.clearance.soundness import parts_of
+from fab.clearance.soundness import inspect_joined, parts_of
 from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Severity
 from fab.folding.folded_states import Stage, flat_panels, folded_states, panels_at
@@ -317,6 +318,27 @@ def test_loose_panels_and_a_wrong_joined_body_are_caught(miura):
     figures, findings = inspect_thick(loose, joined_mesh(sheet.joining), states[:1])
     assert figures.solids.bodies == 20
     assert codes(findings) == ["joined-invalid", "panels-loose"]
+    # the webs of the whole sheet are between the panels alone
+    assert "mm3 is too much in one place, near panel" in findings[0].text
+
+
+def test_a_wrong_joined_body_is_named_with_its_place(miura):
+    sheet, _ = miura
+    joined = joined_mesh(sheet.joining)
+    assert inspect_joined(sheet, joined) == []
+    opened = replace(joined, triangles=joined.triangles[1:])
+    (finding,) = inspect_joined(sheet, opened)
+    assert "NotManifold, volume 0 of" in finding.text
+    assert "it is open at 3 edges, near " in finding.text
+    assert len(finding.panels) + len(finding.creases) == 1
+    missing = int(np.flatnonzero(sheet.creases < 0)[7])
+    others = np.delete(np.arange(len(sheet.joining)), missing)
+    (finding,) = inspect_joined(sheet, joined_mesh(sheet.joining.chosen(others)))
+    volume = sheet.bodies.volumes_mm3()[missing]
+    assert finding.panels == (int(sheet.faces[missing]),)
+    assert "--only zip" in finding.text
+    found = float(re.search(r"; ([\d.]+) mm3 is missing", finding.text)[1])
+    assert found == pytest.approx(volume, rel=0.1)
 
 
 def two_pieces(apart_mm: float) -> CreasePattern:
