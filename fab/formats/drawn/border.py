@@ -8,15 +8,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fab.errors import InvalidFile, Severity, counted
-from fab.formats.drawn.line_soup import UNLETTERED
 from fab.formats.drawn.lines import Lines, Repair, place_of
 from fab.formats.read_options import ReadOptions
 from fab.geometry.planar_graph import without_dangling
-from fab.geometry.planar_regions import Regions, points_within, regions_of
+from fab.geometry.planar_regions import points_within, regions_of
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["page_frame", "with_border"]
+__all__ = ["with_border"]
 
 # Of the diagonal: points nearer to a line are on it.
 _STRAIGHT_REL = 1e-6
@@ -75,31 +74,6 @@ def _slits_cut(lines: Lines, outer: BoolArray) -> tuple[Lines, list[Repair]]:
     letters[rows] = "C"
     repair = Repair("border-inside", Severity.WARNING, text, edges, places)
     return replace(lines, letters=letters), [repair]
-
-
-def page_frame(lines: Lines, closed: BoolArray, regions: Regions, outside: BoolArray) -> BoolArray:
-    """Which borders are those of a page around the sheet, whose creases are in holes with them.
-
-    closed, regions : which lines enclose regions, and those. outside : which lines are next to or
-    within nothing that is a sheet by its borders.
-
-    Outermost borders without a crease of their own, nor any between them and others, that would
-    leave all creases within them outside of the sheet.
-    """
-    frame = np.zeros(len(lines.pairs), bool)
-    creases = ~np.isin(lines.letters, ["B", UNLETTERED])
-    lost = outside & creases
-    if not lost.any():
-        return frame
-    part = labels(lines.pairs, len(lines.coords))[lines.pairs[:, 0]]
-    middles = lines.coords[lines.pairs].mean(axis=1)
-    for outermost in np.unique(part[np.flatnonzero(closed)[regions.outer]]).tolist():
-        own = part == outermost
-        outline = regions_of(lines.coords, lines.pairs[own & closed])
-        around = points_within(middles, lines.coords, outline) >= 0
-        if (lost & around & ~own).any() and not (creases & ~lost & (around | own)).any():
-            frame |= own & (lines.letters == "B")
-    return frame
 
 
 def _degree(lines: Lines) -> IntArray:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
-from fab.formats.drawn.border import page_frame, with_border
+from fab.formats.drawn.border import with_border
 from fab.formats.drawn.lines import Faces, Lines, Repair, place_of, places_of
+from fab.formats.drawn.page_frame import page_frame
 from fab.formats.drawn.planar_lines import PlanarLines
 from fab.formats.read_options import ReadOptions
 from fab.geometry.bridges import bridges
@@ -54,8 +55,11 @@ def drawn_sheet(
     closed, regions, solid = _solids(lines)
     findings = []
     outside = _outside(lines, closed, regions, solid)
-    frame = page_frame(lines, closed, regions, outside)
-    if frame.any():
+    while True:  # frames around frames
+        twice = planar.borders_twice[lines.planar]
+        frame = page_frame(lines, closed, regions, outside, twice, tolerance_mm)
+        if not frame.any():
+            break
         rows = np.flatnonzero(frame)
         text = (
             f"{lines.named(rows)} around the sheet without a crease between them and it: taken for "
@@ -66,6 +70,7 @@ def drawn_sheet(
         kept_as[lines.planar[frame]] = -1
         lines = lines.part(~frame)
         closed, regions, solid = _solids(lines)
+        outside = _outside(lines, closed, regions, solid)
     if not solid.any():
         raise InvalidFile(
             f"{lines.path}: its edges enclose no face. Draw the outline of the sheet, or give "
@@ -146,7 +151,7 @@ def _without_inner_borders(
     inner = inner[lines.letters[inner] == "B"]
     if not len(inner):
         return lines, []
-    twice = planar.borders_twice[inner]
+    twice = planar.borders_twice[lines.planar[inner]]
     if not twice.all() and options.inner_border != "cut":
         row = int(inner[~twice][0])
         start, end = lines.coords[lines.pairs[row]]

@@ -1,5 +1,7 @@
 """Small nasty drawings, each with the answer that a careful reader gives."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from line_soups import SQUARE, lengths, soup_of
@@ -22,6 +24,12 @@ def star(count):
     turn = np.arange(count) * np.pi / count + 0.1
     arm = 40 * np.column_stack([np.cos(turn), np.sin(turn)])
     return [("M", *(50 + a), *(50 - a)) for a in arm]
+
+
+def octagon(radius):
+    turn = np.arange(9) * np.pi / 4
+    corner = 50 + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+    return [("B", *a, *b) for a, b in pairwise(corner)]
 
 
 ACROSS = ("M", 0, 50, 100, 50)
@@ -164,6 +172,44 @@ READ = {
         [*box(-50, -50, 260, 247), *SQUARE, ACROSS, *box(120, 0, 200, 80), ("V", 120, 40, 200, 40)],
         (4, 2, {"B": 720, "M": 100, "V": 80}, "page-frame", "hole"),
     ),
+    "a page that has its corner in that of the sheet": (
+        [*box(0, 0, 210, 297), *SQUARE, ACROSS],
+        (2, 1, {"B": 400, "M": 100}, "page-frame", "border-inside"),
+    ),
+    "a page as wide as the sheet": (
+        [*box(0, -30, 100, 297), *SQUARE, ACROSS],
+        (2, 1, {"B": 400, "M": 100}, "page-frame", "border-inside"),
+    ),
+    "a page with a sheet in a corner and another one": (
+        [*box(0, 0, 260, 247), *SQUARE, ACROSS, *box(120, 9, 200, 89), ("V", 120, 40, 200, 40)],
+        (4, 2, {"B": 720, "M": 100, "V": 80}, "page-frame", "hole"),
+    ),
+    "a double frame": (
+        [*box(-50, -50, 160, 247), *box(-45, -45, 155, 242), *SQUARE, ACROSS],
+        (2, 1, {"B": 400, "M": 100}, "page-frame", "hole"),
+    ),
+    "a triple frame": (
+        [
+            *box(-60, -60, 170, 257),
+            *box(-50, -50, 160, 247),
+            *box(-45, -45, 155, 242),
+            *SQUARE,
+            ACROSS,
+        ],
+        (2, 1, {"B": 400, "M": 100}, "page-frame", "hole"),
+    ),
+    "a double frame with a title block": (
+        [*SQUARE, ACROSS, *box(-20, -60, 180, 140), *TITLE, *box(-30, -70, 190, 150)],
+        (2, 1, {"B": 400, "M": 100}, "page-frame", "hole"),
+    ),
+    "a page around two sheets side by side, both sides drawn": (
+        [*box(-50, -50, 260, 247), *SQUARE, *box(100, 0, 200, 100), ACROSS],
+        (3, 2, {"B": 600, "C": 100, "M": 100}, "border-shared", "border-inside"),
+    ),
+    "a creased piece in a ring that is no page": (
+        [*octagon(99), *octagon(80), *SQUARE, ACROSS],
+        (4, 2, {"B": 400 + 16 * 179 * np.sin(np.pi / 8), "M": 100}, "hole", "page-frame"),
+    ),
     "a page of no letter": (
         [*box(-50, -50, 160, 247, "?"), *SQUARE, ACROSS],
         (2, 1, {"B": 400, "M": 100}, "line-outside", "page-frame"),
@@ -205,8 +251,8 @@ REFUSED = {
         r"a gap of 0.2 mm between \(0, 0\) mm and \(0, 0.2\) mm.*--merge-mm 0.202",
     ),
     "a border across": ([*SQUARE, ("B", 0, 50, 100, 50)], "line 5 .*--inner-border cut"),
-    "a page that has its corner in that of the sheet": (
-        [*box(0, 0, 210, 297), *SQUARE, ACROSS],
+    "a corner that is cut off by a border": (
+        [*SQUARE, ACROSS, ("B", 0, 30, 30, 30), ("B", 30, 30, 30, 0)],
         "is a border .B. with the sheet on both sides",
     ),
     "a dimension line as a border": (
