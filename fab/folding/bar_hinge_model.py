@@ -27,14 +27,14 @@ from fab.pattern.kinematics import Kinematics, fold_by_angles, unknown_angles
 from fab.pattern.open_cuts import Opened, edges_between, opened
 from solver.errors import InvalidState, InvalidValue
 from solver.graphs import labels
+from solver.hinge_angles import hinge_angles, hinge_gradients
 from solver.mesh import edges_of
-from solver.vectors import FloatArray, IntArray, cross, dot, norm, scattered
+from solver.vectors import FloatArray, IntArray, cross, norm, scattered
 
 __all__ = [
     "Energy",
     "Framework",
     "framework",
-    "hinge_angles",
     "hinge_forces",
     "wrapped",
 ]
@@ -246,21 +246,6 @@ def hinge_forces(frame: Framework, coords: FloatArray, target: FloatArray) -> Fl
     return scattered(frame.hinges_vertices.ravel(), pull.reshape(-1, 3), len(frame.vertices_coords))
 
 
-def hinge_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
-    """Fold angles of hinges, radians in (-pi, pi], valley positive, shape (nh,).
-
-    coords : shape (nv, 3); hinges_vertices : shape (nh, 4), as in `Framework`.
-
-    >>> coords = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    >>> np.degrees(hinge_angles(coords, np.array([[0, 1, 2, 3]]))).tolist()
-    [90.0]
-    """
-    e, p, q = _hinge_sides(coords, hinges_vertices)
-    first, second = cross(e, p), cross(q, e)
-    out: FloatArray = np.arctan2(dot(cross(second, first), e) / norm(e), dot(first, second))
-    return out
-
-
 def wrapped(angle: FloatArray) -> FloatArray:
     """The same angles, radians, from -pi to pi.
 
@@ -277,15 +262,6 @@ def _sides(coords: FloatArray, pairs: IntArray) -> FloatArray:
     return coords[pairs[:, 1]] - coords[pairs[:, 0]]
 
 
-def _hinge_sides(
-    coords: FloatArray, hinges_vertices: IntArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Along the hinge, and from its first end to both corners off it."""
-    start = coords[hinges_vertices[:, 0]]
-    along, first, second = (coords[hinges_vertices[:, k]] - start for k in (1, 2, 3))
-    return along, first, second
-
-
 def _bar_gradients(frame: Framework, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Gradient of every bar's length, shape (nb, 6), and its stretch, shape (nb,)."""
     side = _sides(coords, frame.bars_vertices)
@@ -298,20 +274,9 @@ def _hinge_gradients(
     frame: Framework, coords: FloatArray, target: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Gradient of every hinge's angle, shape (nh, 12), and by how much it is off its target."""
-    gradient = _angle_gradients(*_hinge_sides(coords, frame.hinges_vertices))
+    gradient = hinge_gradients(coords, frame.hinges_vertices).reshape(-1, 12)
     off = wrapped(hinge_angles(coords, frame.hinges_vertices) - target)
     return gradient, off
-
-
-def _angle_gradients(e: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
-    """Schenk and Guest (2011), after Bekker: corners rise along their triangles' normals."""
-    length = norm(e)[:, None]
-    first, second = cross(e, p), cross(q, e)
-    at_p = length * first / dot(first, first)[:, None]
-    at_q = length * second / dot(second, second)[:, None]
-    a, b = (dot(p, e) / dot(e, e))[:, None], (dot(q, e) / dot(e, e))[:, None]
-    start = -(1 - a) * at_p - (1 - b) * at_q
-    return np.concatenate([start, -a * at_p - b * at_q, at_p, at_q], axis=1)
 
 
 def _triangles(

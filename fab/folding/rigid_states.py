@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
-from fab.folding.bar_hinge_model import Framework, hinge_angles
+from fab.folding.bar_hinge_model import Framework
 from fab.folding.folding_path import Closure
 from fab.folding.quasi_static import damped
 from fab.folding.rotation_predictor import RotationPredictor
+from solver.hinge_angles import hinge_angles
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["crease_jacobian", "rigid_coords"]

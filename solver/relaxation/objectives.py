@@ -6,10 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solver.hinge_angles import hinge_angles, hinge_gradients
 from solver.relaxation.neighbours import hinges
 from solver.relaxation.terms import Linear
 from solver.targets.base import Target
-from solver.vectors import FloatArray, IntArray, cross, dot, norm
+from solver.vectors import FloatArray, IntArray, dot, norm
 
 __all__ = [
     "FoldBounds",
@@ -17,7 +18,6 @@ __all__ = [
     "RimReach",
     "SideLengths",
     "SurfaceOffsets",
-    "fold_angles",
 ]
 
 
@@ -147,51 +147,15 @@ class FoldBounds:
     def of(cls, faces_vertices: IntArray, coords: FloatArray, most: float) -> FoldBounds:
         """That of all inner edges, with the signs that they have at `coords`."""
         inner = hinges(faces_vertices)
-        return cls(inner, np.where(fold_angles(coords, inner) < 0, -1.0, 1.0), most)
+        return cls(inner, np.where(hinge_angles(coords, inner) < 0, -1.0, 1.0), most)
 
     def linearised(self, coords: FloatArray) -> Linear:
         """Residuals and gradients, see `Term`."""
-        angle = self.signs * fold_angles(coords, self.vertices)
+        angle = self.signs * hinge_angles(coords, self.vertices)
         angle = np.where(angle < -np.pi / 2, angle + 2 * np.pi, angle)
         over = angle > self.most
-        slope = (self.signs * over)[:, None, None] * _fold_gradients(coords, self.vertices)
+        slope = (self.signs * over)[:, None, None] * hinge_gradients(coords, self.vertices)
         return Linear(np.where(over, angle - self.most, 0.0), slope, self)
-
-
-def fold_angles(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
-    """Fold angles, radians in (-pi, pi], valley positive, shape (n,).
-
-    coords : shape (nv, 3); hinges_vertices : shape (n, 4), see `neighbours.hinges`.
-
-    >>> coords = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    >>> np.degrees(fold_angles(coords, np.array([[0, 1, 2, 3]]))).tolist()
-    [90.0]
-    """
-    e, p, q = _hinge_sides(coords, hinges_vertices)
-    first, second = cross(e, p), cross(q, e)
-    out: FloatArray = np.arctan2(dot(cross(second, first), e) / norm(e), dot(first, second))
-    return out
-
-
-def _hinge_sides(
-    coords: FloatArray, hinges_vertices: IntArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Along the edge, and from its start to a corner of either face."""
-    start = coords[hinges_vertices[:, 0]]
-    along, first, second = (coords[hinges_vertices[:, k]] - start for k in (1, 2, 3))
-    return along, first, second
-
-
-def _fold_gradients(coords: FloatArray, hinges_vertices: IntArray) -> FloatArray:
-    """Gradients of fold angles, shape (n, 4, 3): both corners rise along their faces' normals."""
-    e, p, q = _hinge_sides(coords, hinges_vertices)
-    length, square = norm(e)[:, None], dot(e, e)
-    first, second = cross(e, p), cross(q, e)
-    at_p = length * first / dot(first, first)[:, None]
-    at_q = length * second / dot(second, second)[:, None]
-    a, b = (dot(p, e) / square)[:, None], (dot(q, e) / square)[:, None]
-    start = -(1 - a) * at_p - (1 - b) * at_q
-    return np.stack([start, -a * at_p - b * at_q, at_p, at_q], axis=1)
 
 
 def _length_ratios(

@@ -8,11 +8,12 @@ from flat_patterns import fan, grid, pattern_of, triangles
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fab.folding.bar_hinge_model import framework, hinge_angles, hinge_forces, wrapped
+from fab.folding.bar_hinge_model import framework, hinge_forces, wrapped
 from fab.folding.fold_settings import Stiffness
 from fab.pattern.crease_pattern import fold_angles_deg
 from fab.pattern.open_cuts import opened
 from solver import InvalidValue
+from solver.hinge_angles import hinge_angles
 from solver.vectors import norm
 
 

@@ -10,7 +10,7 @@ from helpers import PATTERNS
 
 from fab import read_pattern
 from fab.folding import bar_hinge_model
-from fab.folding.bar_hinge_model import framework, hinge_angles, wrapped
+from fab.folding.bar_hinge_model import framework, wrapped
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_files import simulate
 from fab.folding.folding_path import closing_path, hinges_around
@@ -18,6 +18,7 @@ from fab.folding.quasi_static import fold, largest_turns, path_at
 from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import findings_of, judge
 from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad
+from solver.hinge_angles import hinge_angles
 
 STEP = np.radians(20.0)
 

@@ -7,7 +7,7 @@ import pytest
 from helpers import GRIDS, PATTERNS, TEMPLATE_NAMES, made_template, published
 
 from fab import read_pattern
-from fab.folding.bar_hinge_model import framework, hinge_angles
+from fab.folding.bar_hinge_model import framework
 from fab.folding.dynamics import DynamicSettings, Motion, fold_dynamically, integrate
 from fab.folding.fold_settings import Stiffness
 from fab.folding.quasi_static import fold
@@ -17,6 +17,7 @@ from fab.folding.verdict import findings_of, judge
 from fab.pattern.crease_pattern import CreasePattern, assignments, fold_angles_deg
 from fab.pattern.self_intersection import crossing_faces
 from solver.errors import InvalidValue
+from solver.hinge_angles import hinge_angles
 from solver.mesh import edges_of
 from solver.vectors import norm
 

@@ -12,6 +12,7 @@ from relaxed_surfaces import VASE, Sphere, bump, bump_sheet, hemisphere, vase_tu
 
 from fab.pattern.self_intersection import crossing_faces
 from solver import InvalidState, InvalidValue, Miura, developability, planarity
+from solver.hinge_angles import hinge_angles
 from solver.relaxation import (
     DevelopableVertices,
     FlatFoldableVertices,
@@ -28,7 +29,6 @@ from solver.relaxation import (
     relaxed_sheet,
 )
 from solver.relaxation.neighbours import hinges, sides, vertex_rings
-from solver.relaxation.objectives import fold_angles
 from solver.relaxation.projection import projected
 
 
@@ -219,7 +219,7 @@ def test_the_folds_of_a_rigid_sheet_keep_their_ratios():
     fold = dict(
         zip(
             map(tuple, np.sort(inner[:, :2], axis=1).tolist()),
-            fold_angles(coords, inner),
+            hinge_angles(coords, inner),
             strict=True,
         )
     )
@@ -254,7 +254,7 @@ def test_folds_keep_to_their_bound():
     steep = {}
     for most in (None, np.radians(150)):
         mesh = relaxed_sheet(target, sheet, Wishes(most_fold=most)).mesh
-        folds = np.abs(fold_angles(mesh.vertices_coords, hinges(mesh.faces_vertices)))
+        folds = np.abs(hinge_angles(mesh.vertices_coords, hinges(mesh.faces_vertices)))
         steep[most] = np.degrees(folds.max())
     assert steep[None] > 155
     assert steep[np.radians(150)] < 153

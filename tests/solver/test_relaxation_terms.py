@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from relaxed_surfaces import Sphere
 
 from solver import Miura, QuadMesh, developability, planarity
+from solver.hinge_angles import hinge_angles
 from solver.measure import sector_angles
 from solver.relaxation import (
     DevelopableVertices,
@@ -18,7 +19,6 @@ from solver.relaxation import (
     SurfaceOffsets,
 )
 from solver.relaxation.neighbours import hinges, opposite_pairs, sides, vertex_rings
-from solver.relaxation.objectives import fold_angles
 
 seeds = st.integers(0, 2**32 - 1)
 # A corner of a cube: three faces around a vertex, each beside two others.
@@ -127,7 +127,7 @@ def test_fold_angles_are_those_of_a_miura_sheet():
     angle) is less by the cosine of the sector angle (Tachi 2009)."""
     mesh = Miura(columns=4, rows=4, sector_angle=np.pi / 3, fold=np.pi / 4).grow().mesh
     inner = hinges(mesh.faces_vertices)
-    angles = np.abs(fold_angles(mesh.vertices_coords, inner))
+    angles = np.abs(hinge_angles(mesh.vertices_coords, inner))
     rows = inner[:, 0] // 5 == inner[:, 1] // 5
     np.testing.assert_allclose(angles[rows], np.pi / 2, atol=1e-12)
     # tan of half the angles of a flat-foldable vertex are in the ratio cos(sector) (Tachi 2009)
@@ -150,4 +150,4 @@ def test_a_fold_beyond_180_degrees_is_not_near_minus_180():
     bound = FoldBounds.of(faces, folded[120], np.radians(160))
     assert bound.linearised(folded[120]).values.tolist() == [0.0]
     assert np.degrees(bound.linearised(folded[200]).values) == pytest.approx(40)
-    assert np.degrees(fold_angles(folded[200], bound.vertices)) == pytest.approx(-160)
+    assert np.degrees(hinge_angles(folded[200], bound.vertices)) == pytest.approx(-160)

@@ -59,6 +59,12 @@ class Drawn:
     closed: bool = True
     broken: bool = False
 
+    def add(self, run: list[Point], *, closed: bool) -> None:
+        """One more run, where it has a line."""
+        if len(run) > 1:
+            self.runs.append(run)
+            self.closed = self.closed and closed
+
 
 def drawn_shape(tag: str, attributes: Mapping[str, str], place: Place) -> Drawn:
     """The lines of a shape; `tag` is one of `SHAPES`."""
@@ -201,9 +207,7 @@ def _path(data: str, place: Place) -> Drawn:
 
     def finish(closed: bool) -> None:
         nonlocal run
-        if len(run) > 1:
-            out.runs.append(run)
-            out.closed = out.closed and closed
+        out.add(run, closed=closed)
         run = []
 
     for segment in path:
@@ -280,9 +284,7 @@ def _straight_path(data: str, matrix: Matrix) -> Drawn:
 
     def finish(closed: bool) -> None:
         nonlocal run
-        if len(run) > 1:
-            out.runs.append(run)
-            out.closed = out.closed and closed
+        out.add(run, closed=closed)
         run = []
 
     for found in _TOKEN.finditer(data):
