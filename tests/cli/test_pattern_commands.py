@@ -217,7 +217,7 @@ def test_options_that_messages_name_exist():
     from helpers import ROOT
 
     named = set()
-    for path in (ROOT / "fab" / "formats").glob("*.py"):
+    for path in (ROOT / "fab" / "formats").rglob("*.py"):
         named |= set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", path.read_text(encoding="utf-8")))
     assert named <= set(OPTIONS)
     assert len(named) > 8

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.layout import partition as search
-from fab.layout.face_sets import FaceSets, Sheet, extent, outline, upright
+from fab.layout.face_sets import FaceSets, SheetToDivide, extent, outline, upright
 from fab.layout.partition import partition
 from fab.pattern.crease_pattern import CreasePattern
 from solver.errors import InvalidValue
@@ -36,12 +36,12 @@ def strip(count: int, size: float) -> CreasePattern:
     return pattern_of(coords, faces)
 
 
-def sheet_of(pattern: CreasePattern, room_mm: tuple[float, float]) -> Sheet:
+def sheet_of(pattern: CreasePattern, room_mm: tuple[float, float]) -> SheetToDivide:
     """A sheet whose pieces get no tabs."""
     ends = pattern.vertices_coords[pattern.edges_vertices]
     inner = pattern.edges_faces[:, 1] >= 0
     reach = np.stack([ends, ends], axis=1)
-    return Sheet(pattern, inner, reach, ~inner & False, room_mm)
+    return SheetToDivide(pattern, inner, reach, ~inner & False, room_mm)
 
 
 @given(st.integers(0, 10**6), st.floats(90, 200), st.floats(90, 200))
