@@ -10,7 +10,7 @@ import numpy as np
 
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["contain", "free_arcs", "united"]
+__all__ = ["at_share", "contain", "free_arcs", "united"]
 
 _TURN = 2 * np.pi
 
@@ -71,3 +71,19 @@ def contain(arcs: FloatArray, angles: FloatArray) -> BoolArray:
     after, before = angles > start, angles < end
     inside = np.where(start < end, after & before, after | before)
     return np.asarray(inside.any(axis=0))
+
+
+def at_share(arcs: FloatArray, share: float) -> float:
+    """The angle, in [0, 2 pi), that has this share of the arcs' total length before it.
+
+    arcs : at least one, shape (k, 2); share : in [0, 1). A uniform share gives a uniform angle.
+
+    >>> round(at_share(np.array([[6.0, 1.0], [2.0, 3.0]]), 0.75), 6)
+    2.429204
+    """
+    start, end = np.asarray(arcs, float).reshape(-1, 2).T
+    sizes = np.where(end > start, end - start, end - start + _TURN)
+    ends = np.cumsum(sizes)
+    along = share * float(ends[-1])
+    i = min(int(np.searchsorted(ends, along, side="right")), len(sizes) - 1)
+    return float((start[i] + along - (ends[i] - sizes[i])) % _TURN)

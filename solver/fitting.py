@@ -2,8 +2,8 @@
 
 Seed: three zigzag rows across the middle of the surface, in turn on its lower and upper offset,
 made planar and developable. Each strip's flap angle is the one whose creases come nearest to the
-mirror images of those behind; its lengths reach the other offset. Growth goes both ways until the
-surface's domain is passed.
+mirror images of those behind, or the one of least cost S30; its lengths reach the other offset.
+Growth goes both ways until the surface's domain is passed.
 
 Negative curvature wants shallow folds (rows far apart for the thickness) and large zigzags,
 positive curvature steep folds. Rows across directions that are not conjugate drift along
@@ -28,16 +28,20 @@ from solver.errors import (
     require_positive,
     require_within,
 )
+from solver.flap_costs import DesignAngleCost, FlapCost, is_free
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh, Side, boundary_loops
-from solver.mirroring import Mirror, is_free
+from solver.mirroring import Mirror
 from solver.planarise import planarised
 from solver.targets.base import Target, ray_hit
 from solver.targets.parametric import TurnedTarget
 from solver.vectors import FloatArray, norm
 
-__all__ = ["fit_surface"]
+__all__ = ["COSTS", "fit_surface"]
+
+# What a strip's flap angle makes least: the distance to mirrored creases, or S30.
+COSTS = ("mirror", "design_angles")
 
 # How near the last good flap angle the next one is expected, and how much more each crease may miss
 # its mirror image there before all flap angles are tried again, as 1 - cosine.
@@ -80,6 +84,7 @@ class _Setting:
     zigzag: float
     row_step: float
     turn: float
+    cost: str
     extra: int = 0
 
 
@@ -117,6 +122,7 @@ def fit_surface(
     row_step: float | None = None,
     turn: float | None = None,
     trim: bool = False,
+    cost: str = "mirror",
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
     """Grow a sheet whose rows lie in turn on both offsets of a surface, until it is covered.
@@ -133,6 +139,8 @@ def fit_surface(
         the first choice that passes the domain is taken, or else the one that covers most of it.
     trim : drop the faces that are outside the domain at all of 9 x 9 points, having begun with a
         longer seed where the sheet would miss a part at its sides.
+    cost : what each flap angle makes least (`COSTS`): "mirror", the creases' distances to the
+        mirror images of those behind, or "design_angles", the paper's S30 (`solver.flap_costs`).
     progress : called with the number of strips grown and about how many are needed.
 
     Growth that cannot go on ends with a status; the mesh then covers part of the domain, and
@@ -152,12 +160,14 @@ def fit_surface(
         )
     if turn is not None:
         require_finite("turn", turn)
+    if cost not in COSTS:
+        raise InvalidValue("cost", cost, f"be one of {', '.join(COSTS)}", "mirror is the default.")
     require_number("thickness", thickness)
     for name, value in (("thickness", thickness), ("zigzag", zigzag), ("row_step", row_step)):
         if value is not None:
             require_within(name, value, 0.0, 1000.0, "It is counted in steps of v.")
     settings = [
-        _Setting(columns, thickness, *choice)
+        _Setting(columns, thickness, *choice, cost)
         for choice in _choices(columns, thickness, zigzag, row_step, turn)
     ]
     setting, fit = _best_fit(target, settings, progress)
@@ -220,7 +230,8 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
     expected = 2 + int(2 * along_u / (setting.row_step * step))
     strips, stops = 0, []
     for side, row, ahead in ((Side.TOP, 2, slice(None)), (Side.BOTTOM, 0, slice(None, None, -1))):
-        follow = _Follower(target, places[row][ahead], offsets[row], _LONGEST * 2 * along_u)
+        longest = _LONGEST * 2 * along_u
+        follow = _Follower(target, setting.cost, places[row][ahead], offsets[row], longest)
 
         def report(done: int, _: int, before: int = strips) -> None:
             if progress is not None:
@@ -305,8 +316,11 @@ def _steps(target: Target, columns: int) -> tuple[float, float]:
 class _Follower:
     """Chooses strip after strip from one offset to the other, until the domain is passed."""
 
-    def __init__(self, target: Target, places: FloatArray, offset: float, longest: float) -> None:
+    def __init__(
+        self, target: Target, cost: str, places: FloatArray, offset: float, longest: float
+    ) -> None:
         self.target = target
+        self.cost = cost
         self.places = places
         self.offset = offset
         self.longest = longest
@@ -337,7 +351,7 @@ class _Follower:
         return Strip(flap_angle, to_offset)
 
     def _flap_angle(self, front: Front, parity: int) -> float | None:
-        """The free flap angle whose creases mirror those behind best; None where none is free.
+        """The free flap angle of least cost; None where none is free.
 
         Looked for near that of the strip before the last, and all around only where it is not
         there any more or has become much worse.
@@ -345,18 +359,23 @@ class _Follower:
         free = front.free_flap_angles()
         if not len(free):
             return None
-        mirror = Mirror.of(front, self.target.normal(self.places[1:-1]))
+        flap_cost = self._cost_of(front)
         known = self.found.get(parity)
         if known is not None:
-            angle = mirror.minimum(known[0] - _NEAR, known[0] + _NEAR)
+            angle = flap_cost.minimum(known[0] - _NEAR, known[0] + _NEAR)
             if angle is not None and is_free(free, angle):
-                cost = float(mirror.cost(np.array([angle]))[0])
+                cost = float(flap_cost.cost(np.array([angle]))[0])
                 if cost <= known[1] + _WORSE * len(front.beta):
                     self.found[parity] = angle, cost
                     return angle
-        angle = mirror.best_of(free)
-        self.found[parity] = angle, float(mirror.cost(np.array([angle]))[0])
+        angle = flap_cost.best_of(free)
+        self.found[parity] = angle, float(flap_cost.cost(np.array([angle]))[0])
         return angle
+
+    def _cost_of(self, front: Front) -> FlapCost:
+        if self.cost == "design_angles":
+            return DesignAngleCost.of(front)
+        return Mirror.of(front, self.target.normal(self.places[1:-1]))
 
 
 def _trimmed(

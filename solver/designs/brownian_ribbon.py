@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
-from solver.errors import InvalidState, require_within
+from solver.errors import InvalidState, InvalidValue, require_within
 from solver.front import Front, Rays
 from solver.growth import Growth, Strip, grow
 from solver.vectors import FloatArray, norm
@@ -35,6 +35,8 @@ class BrownianRibbon:
     turn : what the flat ribbon turns by in all, radians.
     width_share : of the largest ribbon width at which no creases meet.
     random_seed : the same number gives the same walk.
+    radius_ratio : r_inner / r_outer of the two circles, in place of width_share; the authors' model
+        of figure 4F has 0.99948.
     """
 
     steps: int = 400
@@ -42,11 +44,15 @@ class BrownianRibbon:
     turn: float = field(default=2 * np.pi, metadata={"angle": True})
     width_share: float = 0.5
     random_seed: int = 0
+    radius_ratio: float | None = None
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the ribbon. Raises `InvalidValue` for parameters out of bounds."""
         require_within("turn", self.turn, 0.0, 2.001 * np.pi, "A circle has 360.", angle=True)
         require_within("width_share", self.width_share, 0.0, 1.0, "One half is safe.")
+        if self.radius_ratio is not None:
+            cure = "Long ribbons are narrow: 400 steps want about 0.9995."
+            require_within("radius_ratio", self.radius_ratio, 0.0, 1.0, cure)
         for walk in random_walks(self.steps, self.random_seed, _DRAWS):
             if _has_room(walk, self.turn):
                 return ribbon(
@@ -54,6 +60,7 @@ class BrownianRibbon:
                     self.flap_angle,
                     self.turn,
                     width_share=self.width_share,
+                    radius_ratio=self.radius_ratio,
                     progress=progress,
                 )
         raise InvalidState(
@@ -85,7 +92,7 @@ def ribbon(
 ) -> Growth:
     """One strip along a polyline (m + 1, 3) that unfolds between two circles.
 
-    Give either the share of the largest width, or the ratio of inner to outer radius.
+    The ratio of inner to outer radius sets the width; where it is None, a share of the largest one.
     """
     sizes = norm(np.diff(walk, axis=0))
     outer = _outer_radius(sizes, turn)
@@ -100,11 +107,18 @@ def ribbon(
     def choose(_front: Front, _strip: int) -> Strip:
         def to_circle(rays: Rays) -> FloatArray:
             lean = _lean(rays, base)
-            ratio = radius_ratio
-            if ratio is None:
+            least = _least_ratio(rays, lean, outer)
+            if radius_ratio is None:
                 assert width_share is not None
-                ratio = 1 - width_share * (1 - _least_ratio(rays, lean, outer))
-            return _lengths(lean, outer, ratio)
+                return _lengths(lean, outer, 1 - width_share * (1 - least))
+            if radius_ratio <= least:
+                raise InvalidValue(
+                    "radius_ratio",
+                    radius_ratio,
+                    f"be above {least:.9g}, below which creases of this walk meet",
+                    "Use a larger ratio, or another random_seed.",
+                )
+            return _lengths(lean, outer, radius_ratio)
 
         ends = float(base[0]), float(base[-1])
         return Strip(flap_angle, to_circle, boundary_angles=ends)

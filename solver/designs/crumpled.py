@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver import seeds
+from solver.arcs import at_share
 from solver.errors import InvalidValue, require_count, require_length, require_number
 from solver.front import Front, Rays
-from solver.growth import Growth, Strip, grow
+from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.transfer import transfer_flap_angles
 from solver.vectors import FloatArray
 
@@ -24,6 +25,11 @@ _TRIALS = 256
 class Crumpled:
     """Seed: a corrugated strip with random creases. Flap angles and lengths: random.
 
+    As printed, a flap angle is uniform over the exterior of the union of the intervals in which new
+    faces cross old ones somewhere, and L is one for all creases of a strip, the least of their
+    bounds: so it is in the authors' model of figure 4E. Ours keeps sheets open: it draws from the
+    flap angles that fold most new creases away from the old ones, and each crease has its own L.
+
     Attributes
     ----------
     columns, strips : number of quads in each direction, the seed's strip included.
@@ -33,6 +39,7 @@ class Crumpled:
     length_limit : taken as the bound of a crease that its neighbours do not meet (nearby).
     seed_deviation : standard deviation of the seed's crease lengths about 1 (normal, positive).
     random_seed : the same number gives the same sheet.
+    as_printed : whether flap angles and lengths are drawn by the printed recipe.
     """
 
     columns: int = 20
@@ -43,6 +50,7 @@ class Crumpled:
     length_limit: float = 2.0
     seed_deviation: float = 0.4
     random_seed: int = 0
+    as_printed: bool = False
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
@@ -58,14 +66,25 @@ class Crumpled:
         lengths = _positive_normal(random, self.columns + 1, abs(self.seed_deviation))
         seed = seeds.corrugated(self.columns, self.beta, self.k, lengths)
 
-        def choose(front: Front, _strip: int) -> Strip:
-            return Strip(_flap_angle(front, random), self._lengths(front, random))
+        def choose(front: Front, strip: int) -> Strip | Stop:
+            if not self.as_printed:
+                return Strip(_flap_angle(front, random), self._lengths(front, random))
+            free = front.free_flap_angles()
+            if not len(free):
+                return Stop(
+                    Status.FACES_CROSS,
+                    f"Strip {strip + 1}: at every flap angle new faces would cross old ones "
+                    "somewhere. Use another random_seed, or as_printed = false.",
+                )
+            return Strip(at_share(free, random.uniform()), self._lengths(front, random))
 
         return grow(seed, self.strips - 1, choose, progress=progress)
 
     def _lengths(self, front: Front, random: np.random.Generator) -> Callable[[Rays], FloatArray]:
         def lengths(rays: Rays) -> FloatArray:
             bound = np.minimum(rays.length_bounds, self.length_limit)
+            if self.as_printed:
+                bound = np.full_like(bound, bound.min())
             free = np.interp(np.arange(len(bound)), np.arange(1, len(bound) - 1), front.k)
             share = random.uniform(0.1, 0.9, len(bound))
             return share * bound * (1 - free / (2 * np.pi)) ** self.power

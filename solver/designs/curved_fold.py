@@ -37,6 +37,9 @@ CURVES = {"arc": _arc, "parabola": _parabola, "wave": _wave}
 class CurvedFold:
     """Seed: a curve from x = -1 on with a zigzag, all k alike. Flap angle, length: one.
 
+    Vertex i of the parabola is (-1 + i step, (-1 + i step)^2 + zigzag (-1)^i, 0), as in the model
+    of figure 4D. S37 is printed with the zigzag of opposite sign: take zigzag = -0.05 for that.
+
     Attributes
     ----------
     curve : parabola, y = x^2 (figure 4D); wave, y = sin(pi x) / 3, bends both ways; arc of a circle

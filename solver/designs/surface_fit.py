@@ -97,6 +97,7 @@ class SurfaceFit:
     row_step : distance of the seed's rows along u, in steps of v; None: chosen.
     turn : direction of growth, from the surface's u towards its v, radians; None: chosen.
     trim : whether faces outside the surface's domain are dropped.
+    cost : what flap angles make least: mirror, or design_angles, the paper's S30.
     """
 
     surface: str | Target = field(default="waves", metadata={"target": True})
@@ -106,6 +107,7 @@ class SurfaceFit:
     row_step: float | None = None
     turn: float | None = field(default=None, metadata={"angle": True})
     trim: bool = False
+    cost: str = "mirror"
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
@@ -132,5 +134,6 @@ class SurfaceFit:
             row_step=self.row_step,
             turn=self.turn,
             trim=self.trim,
+            cost=self.cost,
             progress=progress,
         )

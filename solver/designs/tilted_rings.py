@@ -23,7 +23,10 @@ from solver.transfer import Closing, inverse_matrices, transfer_each
 from solver.vectors import FloatArray, angle_between
 from solver.vertex import even_flap_angles
 
-__all__ = ["TiltedRings"]
+__all__ = ["COSTS", "TiltedRings"]
+
+# What the flap angle makes least where every one closes the ring.
+COSTS = ("even", "neighbours")
 
 # Where in each free arc flap angles are tried before the best one is polished.
 _SHARES = (np.arange(120) + 0.5) / 120
@@ -35,8 +38,8 @@ class TiltedRings:
 
     Ring j lies in the plane tilted by j tilt about y at the distance
     (-1)^j height (1 + (j - 1) height_growth) / 2 from the origin. With an even number of sides
-    every flap angle closes a ring that ends on a plane; the one that makes the two new sectors at
-    the vertices most alike is taken. With an odd number there are two, and the one that folds.
+    every flap angle closes a ring that ends on a plane; the one of least cost is taken. With an odd
+    number there are two, and the one that folds.
 
     Attributes
     ----------
@@ -46,6 +49,10 @@ class TiltedRings:
     cone_angle : the seed's cone has the half-angle cone_angle / 2, radians.
     tilt : between the planes of successive rings, radians.
     opening : radius of the hole in the seed's cone, as a share of its outer radius.
+    cost : even, the squares of theta1 - theta2 at all vertices; or neighbours, S34, as the authors'
+        models 4B and 4C have it: the squares of what theta1, and theta2, change by from a vertex to
+        the next, from vertex 1 once around to vertex 0, within the neighbourhoods (S35) of the flap
+        angles that make the sectors of a vertex even.
     """
 
     sides: int = 4
@@ -55,6 +62,7 @@ class TiltedRings:
     cone_angle: float = field(default=np.pi / 4, metadata={"angle": True})
     tilt: float = field(default=np.pi / 180, metadata={"angle": True})
     opening: float = 0.01
+    cost: str = "even"
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the rings. Raises `InvalidValue` for parameters out of bounds."""
@@ -68,6 +76,10 @@ class TiltedRings:
                 "height_growth", self.height_growth, "lie between -1 and 100", "0 keeps it."
             )
         require_within("opening", self.opening, 0.0, 1.0, "The paper has 0.01.")
+        if self.cost not in COSTS:
+            raise InvalidValue(
+                "cost", self.cost, f"be one of {', '.join(COSTS)}", "even is the default."
+            )
         around = 2 * np.pi * np.arange(self.sides) / self.sides
         corners = np.column_stack([np.cos(around), np.sin(around), 0 * around])
         axis = np.array([0.0, 0.0, 1.0])
@@ -88,13 +100,13 @@ class TiltedRings:
                 lengths: FloatArray = to_go / (rays.directions @ normal)
                 return lengths
 
-            return _folded_strip(front, to_plane)
+            return _folded_strip(front, to_plane, self.cost)
 
         return grow(QuadMesh.from_rows(rows, closed=True), self.strips, choose, progress=progress)
 
 
-def _folded_strip(front: Front, lengths: Callable[[Rays], FloatArray]) -> Strip | Stop:
-    """The strip that closes the loop with new folds and the most even sectors."""
+def _folded_strip(front: Front, lengths: Callable[[Rays], FloatArray], cost: str) -> Strip | Stop:
+    """The strip that closes the loop with new folds, of the least cost."""
     closings = front.closings()
     if closings.case is Closing.CONTINUATION:
         return Stop(
@@ -106,35 +118,94 @@ def _folded_strip(front: Front, lengths: Callable[[Rays], FloatArray]) -> Strip 
         at, flap_angle = closings.start[1]
         return Strip(flap_angle, lengths, at=at + 1)
 
-    a, b = -front.edges_direction[:-1], front.edges_direction[1:]
-
-    def unevenness(flap_angle: float) -> float:
-        rays = front.rays(flap_angle)
-        skew = angle_between(a, rays.directions) - angle_between(b, rays.directions)
-        return float(skew @ skew)
-
     # candidates cross no face at any vertex and reach the plane
     free = front.free_flap_angles()
+    evens = _even_at_a_vertex(front)
+    chosen = _most_even if cost == "even" else _most_alike
+    best = chosen(front, free, evens, lambda angle: _usable(front.rays(angle), lengths))
+    if best is None:
+        return Stop(
+            Status.LOOP_NOT_CLOSED,
+            "No flap angle keeps the ring off the one before and reaches the next plane: "
+            "tilt the planes less, or make the rings higher.",
+        )
+    return Strip(best, lengths)
+
+
+def _even_at_a_vertex(front: Front) -> list[FloatArray]:
+    """First flap angles that make the sectors of a vertex even, on both sides, shape (N,) each."""
+    matrices = inverse_matrices(front.transfer_matrices)
+    both = even_flap_angles(front.beta, front.k)
+    return [transfer_each(matrices, angles[:, None])[:, 0] for angles in both]
+
+
+def _sectors(front: Front, flap_angle: float) -> tuple[FloatArray, FloatArray]:
+    """Design angles theta1 and theta2 of a loop's vertices."""
+    rays = front.rays(flap_angle)
+    a, b = -front.edges_direction[:-1], front.edges_direction[1:]
+    return angle_between(a, rays.directions), angle_between(b, rays.directions)
+
+
+def _most_even(
+    front: Front, free: FloatArray, evens: list[FloatArray], usable: Callable[[float], bool]
+) -> float | None:
+    """The usable flap angle at which theta1 and theta2 are most alike at the vertices."""
+
+    def unevenness(flap_angle: float) -> float:
+        theta1, theta2 = _sectors(front, flap_angle)
+        skew = theta1 - theta2
+        return float(skew @ skew)
+
     candidates = [
         start + share * ((end - start) % (2 * np.pi))
         for start, end in free.tolist()
         for share in _SHARES
     ]
     # on a fine ring creases meet early except near even sectors at some vertex
-    matrices = inverse_matrices(front.transfer_matrices)
-    for angles in even_flap_angles(front.beta, front.k):
-        even = transfer_each(matrices, angles[:, None])[:, 0]
+    for even in evens:
         candidates += even[contain(free, even)].tolist()
-    reached = [angle for angle in candidates if _usable(front.rays(angle), lengths)]
+    reached = [angle for angle in candidates if usable(angle)]
     if not reached:
-        return Stop(
-            Status.LOOP_NOT_CLOSED,
-            "No flap angle keeps the ring off the one before and reaches the next plane: "
-            "tilt the planes less, or make the rings higher.",
-        )
+        return None
     best = min(reached, key=unevenness)
     polished = float(minimize_scalar(unevenness, bracket=(best, best + 1e-4)).x)
-    return Strip(polished if _usable(front.rays(polished), lengths) else best, lengths)
+    return polished if usable(polished) else best
+
+
+def _most_alike(
+    front: Front, free: FloatArray, evens: list[FloatArray], usable: Callable[[float], bool]
+) -> float | None:
+    """The usable flap angle at which theta1 and theta2 change least from vertex to vertex (S34).
+
+    Looked for between the least and the greatest of the flap angles that make a vertex even (S35),
+    on either side.
+    """
+
+    def change(flap_angle: float) -> float:
+        steps = [np.diff(np.roll(theta, -1)) for theta in _sectors(front, flap_angle)]
+        return float(steps[0] @ steps[0] + steps[1] @ steps[1])
+
+    best: float | None = None
+    for even in evens:
+        off = np.angle(np.exp(1j * (even - even[0])))
+        low, high = float(even[0] + off.min()), float(even[0] + off.max())
+        candidates = [low + share * (high - low) for share in _SHARES.tolist()]
+        inside = contain(free, np.array(candidates) % (2 * np.pi))
+        reached = [angle for angle, kept in zip(candidates, inside, strict=True) if kept]
+        reached = [angle for angle in reached if usable(angle)]
+        if not reached:
+            continue
+        near = min(reached, key=change)
+        step = (high - low) / len(_SHARES)
+        bounds = max(low, near - step), min(high, near + step)
+        options = {"xatol": 1e-13}
+        polished = float(
+            minimize_scalar(change, bounds=bounds, method="bounded", options=options).x
+        )
+        found = polished if usable(polished) and change(polished) <= change(near) else near
+        if best is None or change(found) < change(best):
+            best = found
+    return best
 
 
 def _usable(rays: Rays, lengths: Callable[[Rays], FloatArray]) -> bool:

@@ -5,6 +5,7 @@ import hashlib
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,12 +94,16 @@ def test_every_template_is_exact_and_without_errors(name):
         ("paraboloid_160", 25030, (24783, 24787, 980), (1200.0, 1039.540577), None),
         ("waves_straight", 1680, (1632, 1628, 200), (600.0, 438.353993), None),
         ("waves_diagonal", 1343, (1296, 1292, 196), (600.0, 334.818747), None),
+        ("waves_narrow", 1760, (1738, 1698, 168), (600.0, 543.121104), None),
+        ("waves_wide", 1760, (1738, 1698, 168), (600.0, 370.911247), None),
         ("surface_fit_320", 76160, (75721, 76041, 1116), (2400.0, 1745.949909), None),
         ("random_tube", 28, (32, 13, 22), (300.0, 49.002807), 73),
         ("wave_fold", 1000, (940, 950, 220), (600.0, 176.402727), None),
         ("elliptic_ring", 480, (450, 442, 136), (900.0, 86.647035), None),
         ("trefoil_knot", 720, (675, 667, 196), (900.0, 46.066945), None),
         ("crumpled_linear", 600, (560, 590, 100), (390.0, 246.038731), None),
+        ("crumpled_printed", 300, (275, 290, 70), (390.0, 84.818547), None),
+        ("twisted_squares_published", 324, (283, 280, 170), (390.0, 245.793121), None),
         ("brownian_ribbon_400", 400, (207, 192, 802), (1000.0, 992.407215), None),
         ("brownian_ribbon_1000", 1000, (483, 516, 2002), (1000.0, 992.404045), None),
         ("brownian_ribbon_10000", 10000, (4985, 5014, 20002), (10000.0, 9924.038916), None),
@@ -114,6 +119,20 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
         assert report["solids"] is None
     else:
         assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
+
+
+def test_the_pair_of_one_target_differs_by_its_zigzag_alone():
+    """Figure S12: the same counts, zigzags of one to two, and rows on the same two offsets."""
+    jobs = [load_job(TEMPLATES / f"waves_{name}.toml") for name in ("narrow", "wide")]
+    narrow, wide = (job.design.design(job.folder) for job in jobs)
+    assert replace(narrow, zigzag=2 * narrow.zigzag) == wide
+    growths = [design.grow() for design in (narrow, wide)]
+    assert growths[0].mesh.grid.shape == growths[1].mesh.grid.shape == (45, 41)
+    swings = []
+    for growth in growths:
+        middle = growth.mesh.vertices_coords[growth.mesh.grid[len(growth.mesh.grid) // 2]]
+        swings.append(np.abs(np.diff(middle[:, 0])).mean())
+    assert swings[1] / swings[0] == pytest.approx(2.0, rel=0.02)
 
 
 def test_there_is_a_template_for_every_design():

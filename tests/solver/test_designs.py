@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 from helpers import published
 
-from solver import Crumpled, CurvedFold, InvalidValue, Miura, developability, planarity, seeds
+from solver import (
+    Crumpled,
+    CurvedFold,
+    Front,
+    InvalidValue,
+    Miura,
+    Status,
+    developability,
+    flap_angle_of,
+    planarity,
+    seeds,
+)
+from solver.arcs import contain
 from solver.vectors import norm
 
 
@@ -19,6 +31,65 @@ def test_the_crumpled_sheets_seed_is_that_of_the_published_f4e():
     rows = published("F4E", "fold")
     seed = seeds.corrugated(20, 0.6 * np.pi, 1.2 * np.pi, norm(rows[1] - rows[0]))
     assert np.abs(seed.vertices_coords - rows[:2].reshape(-1, 3)).max() < 1e-15
+
+
+def test_every_strip_of_the_published_f4e_is_drawn_by_the_printed_recipe():
+    """Flap angles clear of the union of crossings; lengths X (1 - k/2 pi)^2, X in (0.1 L, 0.9 L).
+
+    L is one for all creases of a strip, the least distance at which neighbours meet, at most 2.
+    """
+    rows = published("F4E", "fold")
+    shares = []
+    for j in range(1, 40):
+        front = Front.between(rows[j], rows[j - 1])
+        length = norm(rows[j + 1] - rows[j])
+        onward = (rows[j + 1] - rows[j]) / length[:, None]
+        u = front.edges_direction
+        flap_angle = flap_angle_of(-u[:1], u[1:2], onward[1:2])
+        assert contain(front.free_flap_angles(), flap_angle).all()
+        least = min(front.rays(float(flap_angle[0])).length_bounds.min(), 2.0)
+        k = np.concatenate([front.k[:1], front.k, front.k[-1:]])
+        shares.append(length / (1 - k / (2 * np.pi)) ** 2 / least)
+    assert 0.1 < np.min(shares) < 0.101
+    assert 0.899 < np.max(shares) < 0.9
+
+
+def test_crumpled_sheets_as_printed_have_one_length_limit_a_strip_and_cross_no_old_face():
+    mesh = Crumpled(random_seed=5, strips=12, as_printed=True).grow().mesh
+    rows = mesh.vertices_coords[mesh.grid]
+    assert planarity(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-12
+    assert developability(mesh.vertices_coords, mesh.faces_vertices).max() < 1e-12
+    shares = []
+    for j in range(1, 12):
+        front = Front.between(rows[j], rows[j - 1])
+        length = norm(rows[j + 1] - rows[j])
+        onward = (rows[j + 1] - rows[j]) / length[:, None]
+        u = front.edges_direction
+        flap_angle = flap_angle_of(-u[:1], u[1:2], onward[1:2])
+        rays = front.rays(float(flap_angle[0]))
+        assert not front.self_intersections(rays.flap_angles[:, None]).any()
+        k = np.concatenate([front.k[:1], front.k, front.k[-1:]])
+        least = min(rays.length_bounds.min(), 2.0)
+        shares.append(length / (1 - k / (2 * np.pi)) ** 2 / least)
+    assert np.min(shares) == pytest.approx(0.1, abs=0.02)
+    assert np.max(shares) == pytest.approx(0.9, abs=0.02)
+
+
+def test_a_printed_recipe_without_a_free_flap_angle_stops_with_advice(monkeypatch):
+    monkeypatch.setattr(Front, "free_flap_angles", lambda front: np.empty((0, 2)))
+    growth = Crumpled(strips=3, as_printed=True).grow()
+    assert (growth.status, growth.strips) == (Status.FACES_CROSS, 0)
+    assert "as_printed = false" in growth.advice
+
+
+def test_the_zigzag_of_s37_as_printed_is_the_mirror_image_of_the_models():
+    """The models' vertices swing upwards first; the printed sign has them swing downwards."""
+    model = published("F4D", "fold")[0]
+    printed = CurvedFold(zigzag=-0.05, strips=1).grow().mesh
+    row = printed.vertices_coords[printed.grid[0]]
+    x = -1.0 + 0.02 * np.arange(101)
+    assert (model[:, 1] + row[:, 1]) / 2 == pytest.approx(x**2, abs=1e-15)
+    assert (np.sign(model[:, 1] - x**2) == (-1.0) ** np.arange(101)).all()
 
 
 @pytest.mark.parametrize("columns", [2, 7, 60])

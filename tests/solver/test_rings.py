@@ -1,5 +1,7 @@
 """Closed fronts: fixed points of the loop, rings on planes, tubes and ribbons."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from helpers import published
@@ -25,7 +27,8 @@ from solver import (
 )
 from solver.designs.brownian_ribbon import ribbon
 from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings, loop_miss
-from solver.vertex import design_angles, even_flap_angles, growth_direction
+from solver.vectors import angle_between
+from solver.vertex import design_angles, even_flap_angles, flap_angle_of, growth_direction
 
 
 def random_loop(random: np.random.Generator, size: int) -> np.ndarray:
@@ -202,6 +205,45 @@ def test_the_first_ring_of_the_twisted_squares_is_the_published_one():
     assert rings.vertices_coords[rings.grid[2]] == pytest.approx(np.array(expected), abs=1e-8)
 
 
+def test_the_second_ring_of_the_twisted_squares_is_the_published_one_with_its_cost():
+    """Four vertices of F4B's fourth row; the cost of even sectors is 3e-4 off them."""
+    expected = [
+        [0.12048602911035844, -0.00032461722880544006, 0.054237948029182956],
+        [-0.003806680894659934, 0.12405074899606, 0.04989754364478741],
+        [-0.12746433164603407, 0.0003108542693798077, 0.045579316372823545],
+        [-0.0031715965047444034, -0.12405074905226007, 0.049919721390085714],
+    ]
+    mesh = TiltedRings(strips=2, cost="neighbours").grow().mesh
+    assert mesh.vertices_coords[mesh.grid[3]] == pytest.approx(np.array(expected), abs=2e-8)
+    even = TiltedRings(strips=2).grow().mesh
+    off = np.abs(even.vertices_coords[even.grid[3]] - np.array(expected)).max()
+    assert 1e-4 < off < 1e-3
+
+
+@pytest.mark.parametrize("sides", [4, 6, 20])
+def test_rings_of_both_costs_have_their_least_cost_among_flap_angles_nearby(sides):
+    """Each ring's flap angle against many others around it, by the definition of its cost."""
+    for cost in ("even", "neighbours"):
+        mesh = TiltedRings(sides=sides, strips=4, height=0.5, opening=0.2, cost=cost).grow().mesh
+        rings = mesh.vertices_coords[mesh.grid]
+        assert residual(mesh) < 1e-12
+        for below, ring, above in zip(rings, rings[1:], rings[2:], strict=False):
+            front = Front.between(ring, below, closed=True)
+            a, b = -front.edges_direction[:-1], front.edges_direction[1:]
+
+            def value(angle, front=front, a=a, b=b, cost=cost):
+                directions = front.rays(angle).directions
+                theta1, theta2 = angle_between(a, directions), angle_between(b, directions)
+                if cost == "even":
+                    return ((theta1 - theta2) ** 2).sum()
+                return sum((np.diff(np.roll(t, -1)) ** 2).sum() for t in (theta1, theta2))
+
+            flap_angle = float(flap_angle_of(a[:1], b[:1], above[:1] - ring[:1])[0])
+            around = flap_angle + np.linspace(-1e-3, 1e-3, 101)
+            least = min(value(angle) for angle in around)
+            assert value(flap_angle) <= least + 1e-12 * (1 + least)
+
+
 def test_a_closed_patch_is_cut_open_to_lie_flat():
     mesh = TiltedRings(strips=4).grow().mesh
     cut = mesh.cut_open()
@@ -249,6 +291,23 @@ def test_brownian_ribbons_lie_flat_between_two_circles(steps):
         assert np.ptp(radius) < 1e-9 * radius.mean()
 
 
+def test_a_ribbon_of_given_radii_lies_flat_between_two_circles_of_their_ratio():
+    design = BrownianRibbon(steps=400, turn=np.radians(340), random_seed=8, radius_ratio=0.99948)
+    mesh = design.grow().mesh
+    flat = develop(mesh).vertices_coords
+    p = flat[mesh.grid[0, [0, 133, 266]]]
+    system = 2 * (p[1:] - p[0]), (p[1:] ** 2).sum(axis=1) - (p[0] ** 2).sum()
+    centre = np.linalg.solve(*system)
+    outer, inner = (np.hypot(*(flat[row] - centre).T) for row in mesh.grid)
+    assert inner / outer == pytest.approx(0.99948, abs=1e-9)
+    shared = ribbon(
+        mesh.vertices_coords[mesh.grid[0]], np.pi / 4, design.turn, radius_ratio=0.99948
+    )
+    assert np.array_equal(shared.mesh.vertices_coords, mesh.vertices_coords)
+    with pytest.raises(InvalidValue, match=r"radius_ratio = 0.9 .* be above 0\.99\d+, below which"):
+        replace(design, radius_ratio=0.9).grow()
+
+
 def test_f4f_is_the_ribbon_along_its_own_walk():
     walk, other = published("F4F", "fold")
     flat = published("F4F", "flat")[..., :2]
@@ -270,6 +329,8 @@ def test_f4f_is_the_ribbon_along_its_own_walk():
         (TiltedRings(opening=1.0), "opening"),
         (TiltedRings(height_growth=-2.0), "height_growth"),
         (TiltedRings(height_growth=None), "height_growth"),
+        (TiltedRings(cost="odd"), "cost = odd .* even, neighbours"),
+        (BrownianRibbon(radius_ratio=1.0), "radius_ratio"),
         (RandomTube(random_seed=None), "random_seed"),
         (BrownianRibbon(random_seed=1.5), "random_seed"),
         (BrownianRibbon(steps=10, flap_angle="1"), "flap_angle"),
