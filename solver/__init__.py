@@ -20,6 +20,8 @@ Growth front: its angles beta and k, new creases, length bounds (S20, S21)
     `Front`, `Rays`; module `front`.
 Growth strip by strip, on any side of a patch
     `grow`, `Strip`, `Stop`, `Growth`, `Status`, `Side`; module `growth`.
+Growth whose rows may end where vertices at their sides cannot be grown
+    `grow_ending`; module `ending_rows`.
 Growth on a part of a front and around a corner, S1 B.1
     `grow_part`, `grow_corner`, `grow_pentagon`, `CornerStrip`; module `corner`.
 Surface fitting, S4

@@ -60,8 +60,12 @@ def windings(outlines: list[FloatArray], points: FloatArray) -> IntArray:
     return out
 
 
-def one_piece(kept: BoolArray) -> BoolArray:
-    """The largest piece of the cells kept, filled up where two of them touch in a corner alone."""
+def one_piece(kept: BoolArray, cells: BoolArray | None = None) -> BoolArray:
+    """The largest piece of the cells kept, filled up where two of them touch in a corner alone.
+
+    cells : those that exist, all if left out. Of the two beside such a corner one at least must.
+    """
+    cells = np.ones(kept.shape, bool) if cells is None else cells
     labels, _ = ndimage.label(kept)
     out: BoolArray = labels == np.bincount(labels[kept]).argmax()
     while True:
@@ -69,5 +73,7 @@ def one_piece(kept: BoolArray) -> BoolArray:
         rising, falling = b & c & ~a & ~d, a & d & ~b & ~c
         if not (rising | falling).any():
             return out
-        a |= rising
-        b |= falling
+        a |= rising & cells[:-1, :-1]
+        d |= rising & ~cells[:-1, :-1]
+        b |= falling & cells[:-1, 1:]
+        c |= falling & ~cells[:-1, 1:]

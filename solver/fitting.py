@@ -19,6 +19,7 @@ from itertools import product
 import numpy as np
 
 from solver.coverage import coverage, one_piece, outline, rim
+from solver.ending_rows import grow_ending
 from solver.errors import (
     InvalidState,
     InvalidValue,
@@ -30,13 +31,13 @@ from solver.errors import (
 )
 from solver.flap_costs import DesignAngleCost, FlapCost, is_free
 from solver.front import Front, Rays
-from solver.growth import Growth, Status, Stop, Strip, grow
+from solver.growth import Growth, Status, Stop, Strip, grow, usable_lengths
 from solver.mesh import QuadMesh, Side, boundary_loops
 from solver.mirroring import Mirror
 from solver.planarise import planarised
 from solver.targets.base import Target, ray_hit
 from solver.targets.parametric import TurnedTarget
-from solver.vectors import FloatArray, norm
+from solver.vectors import BoolArray, FloatArray, norm
 
 __all__ = ["COSTS", "fit_surface"]
 
@@ -59,11 +60,17 @@ _ZIGZAG_SHARE = 1 / 3
 # share of its faces beyond it is good enough to look no further: what it misses is at its sides,
 # where a longer seed reaches.
 _ENOUGH = 0.95
+# A sheet whose rows ended must cover this share: there a longer seed reaches no further.
+_ENOUGH_ENDED = 0.99
 _BEYOND = 0.3
 # Creases longer than this share of the domain's width along u are spikes, not a sheet.
 _LONGEST = 0.4
 # Where points of a face are taken, between its corners, to see whether it reaches into the domain.
 _WITHIN = np.linspace(0.0, 1.0, 9)
+# As many of the best settings are tried again with lookahead.
+_SECOND_TRIES = 6
+# Flap angles tried besides the one of least cost where the strip after it would miss, radians.
+_ASIDE = np.array([1e-3, 3e-3, 0.01, 0.03, 0.1])
 # Columns added on either side, one number after another, where a trimmed sheet is too narrow.
 _EXTRAS = (1, 2, 4, 8, 16)
 
@@ -85,12 +92,17 @@ class _Setting:
     row_step: float
     turn: float
     cost: str
+    rows_may_end: bool
+    lookahead: bool = False
     extra: int = 0
 
 
 @dataclass(frozen=True)
 class _Fit:
-    """A grown sheet, the places of its vertices in its grid's order, and its share beyond."""
+    """A grown sheet, the places of its vertices in its grid's order, and its share beyond.
+
+    Places are NaN where the grid has no vertex.
+    """
 
     growth: Growth
     places: FloatArray
@@ -98,8 +110,13 @@ class _Fit:
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """Whether growth passed the domain, and how well it is covered: more is better."""
-        return self.growth.status is Status.GROWN, self.covers - self.beyond / 4
+        """Whether growth passed the domain, and how well it is covered: more is better.
+
+        A sheet whose rows ended has passed it where it covers nearly all of it.
+        """
+        whole = bool((self.growth.mesh.grid >= 0).all())
+        passed = self.growth.status is Status.GROWN and (whole or self.covers >= _ENOUGH_ENDED)
+        return passed, self.covers - self.beyond / 4
 
     @property
     def covers(self) -> float:
@@ -123,6 +140,8 @@ def fit_surface(
     turn: float | None = None,
     trim: bool = False,
     cost: str = "mirror",
+    rows_may_end: bool = False,
+    lookahead: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
     """Grow a sheet whose rows lie in turn on both offsets of a surface, until it is covered.
@@ -141,6 +160,10 @@ def fit_surface(
         longer seed where the sheet would miss a part at its sides.
     cost : what each flap angle makes least (`COSTS`): "mirror", the creases' distances to the
         mirror images of those behind, or "design_angles", the paper's S30 (`solver.flap_costs`).
+    rows_may_end : where a vertex at the side of a front misses its offset, the front goes on
+        without it (`solver.ending_rows`), in place of stopping. Sheets that grow whole stay so.
+    lookahead : where no choice is good enough, the best of them are tried again, each flap angle
+        chosen so that the strip after it misses its offset least: a few times slower.
     progress : called with the number of strips grown and about how many are needed.
 
     Growth that cannot go on ends with a status; the mesh then covers part of the domain, and
@@ -167,29 +190,50 @@ def fit_surface(
         if value is not None:
             require_within(name, value, 0.0, 1000.0, "It is counted in steps of v.")
     settings = [
-        _Setting(columns, thickness, *choice, cost)
+        _Setting(columns, thickness, *choice, cost, rows_may_end)
         for choice in _choices(columns, thickness, zigzag, row_step, turn)
     ]
-    setting, fit = _best_fit(target, settings, progress)
+    setting, fit = _best_fit(target, settings, lookahead, progress)
     return _trimmed(target, setting, fit, progress) if trim else fit.growth
 
 
 def _best_fit(
-    target: Target, settings: list[_Setting], progress: Callable[[int, int], None] | None
+    target: Target,
+    settings: list[_Setting],
+    lookahead: bool,
+    progress: Callable[[int, int], None] | None,
 ) -> tuple[_Setting, _Fit]:
-    """The first setting that is good, or else the best of all, and its sheet."""
+    """The first setting that is good, or else the best of all, and its sheet.
+
+    lookahead : whether the best settings are tried again with it where none is good.
+    """
     best: tuple[_Setting, _Fit] | None = None
+    tried: list[tuple[tuple[bool, float], _Setting]] = []
     refused: InvalidValue | None = None
     for setting in settings:
         try:
             fit = _grown(target, setting, progress)
         except InvalidValue as error:
             refused = refused or error
+            tried.append(((False, -1.0), setting))
             continue
+        tried.append((fit.rank, setting))
         if best is None or fit.rank > best[1].rank:
             best = setting, fit
         if fit.good:
-            break
+            return best
+    if lookahead:
+        tried.sort(key=lambda found: found[0], reverse=True)  # stable: the first of equals leads
+        for _, setting in tried[:_SECOND_TRIES]:
+            again = replace(setting, lookahead=True)
+            try:
+                fit = _grown(target, again, progress)
+            except InvalidValue:
+                continue
+            if best is None or fit.rank > best[1].rank:
+                best = again, fit
+            if fit.good:
+                break
     if best is None:
         assert refused is not None  # one setting at least was tried
         if len(settings) == 1:
@@ -228,29 +272,39 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
     offsets = np.array([-0.5, 0.5, -0.5]) * setting.thickness * step
     mesh, places = _seed(target, setting, offsets, step, along_u)
     expected = 2 + int(2 * along_u / (setting.row_step * step))
-    strips, stops = 0, []
+    strips, stops, ends = 0, [], []
     for side, row, ahead in ((Side.TOP, 2, slice(None)), (Side.BOTTOM, 0, slice(None, None, -1))):
         longest = _LONGEST * 2 * along_u
-        follow = _Follower(target, setting.cost, places[row][ahead], offsets[row], longest)
+        follow = _Follower(target, setting, places[row][ahead], offsets[row], longest)
 
         def report(done: int, _: int, before: int = strips) -> None:
             if progress is not None:
                 progress(min(before + done, expected), expected)
 
-        growth = grow(mesh, 20 * setting.columns, follow.choose, side=side, progress=report)
+        direction = "upwards" if side is Side.TOP else "downwards"
+        most = 20 * setting.columns
+        firsts: tuple[int, ...] = ()
+        if setting.rows_may_end:
+            ended = grow_ending(mesh, most, follow, side=side, progress=report)
+            growth, firsts = ended.growth, ended.firsts
+            if ended.ended is not None:
+                ends.append((ended.ended.status, f"Along u, {direction}: {ended.ended.advice}"))
+        else:
+            growth = grow(mesh, most, follow.choose, side=side, progress=report)
+            firsts = (0,) * growth.strips
         mesh, strips = growth.mesh, strips + growth.strips
-        new = np.array([row[ahead] for row in follow.rows[: growth.strips]])
-        new = new.reshape(-1, *places.shape[1:])
+        new = np.full((growth.strips, *places.shape[1:]), np.nan)
+        for under, first, found in zip(new, firsts, follow.rows, strict=False):
+            under[first : first + len(found)] = found
+        new = new[:, ahead]
         places = np.concatenate([places, new] if side is Side.TOP else [new[::-1], places])
         if growth.status is not Status.COVERED:
-            direction = "upwards" if side is Side.TOP else "downwards"
             stops.append((growth.status, f"Along u, {direction}: {growth.advice}"))
-    under = outline(target, rim(mesh.vertices_coords[mesh.grid]), rim(places))
-    covers = coverage(target, [under])
+    covers = coverage(target, _outlines(target, mesh, places))
     status, advice = Status.GROWN, ""
-    if stops and covers < 1.0:
-        status = stops[0][0]
-        advice = " ".join([*(text for _, text in stops), _CURE])
+    if (stops and covers < 1.0) or (ends and covers < _ENOUGH):
+        status = (stops or ends)[0][0]
+        advice = " ".join([*(text for _, text in stops or ends), _CURE])
     chosen = {
         "zigzag": setting.zigzag,
         "row_step": setting.row_step,
@@ -258,9 +312,28 @@ def _grown(target: Target, setting: _Setting, progress: Callable[[int, int], Non
     }
     uv = places[..., :2]
     middles = (uv[:-1, :-1] + uv[1:, :-1] + uv[:-1, 1:] + uv[1:, 1:]) / 4
-    beyond = 1 - float(target.inside(target.places(middles.reshape(-1, 2))).mean())
+    middles = middles[_cells(mesh)]
+    beyond = 1 - float(target.inside(target.places(middles)).mean())
     growth = Growth(mesh, strips, status, advice, covers, chosen)
     return _Fit(growth, places, beyond)
+
+
+def _cells(mesh: QuadMesh) -> BoolArray:
+    """Which cells of a mesh's grid are faces, shape (R - 1, C - 1)."""
+    held = mesh.grid >= 0
+    out: BoolArray = held[:-1, :-1] & held[1:, :-1] & held[:-1, 1:] & held[1:, 1:]
+    return out
+
+
+def _outlines(target: Target, mesh: QuadMesh, places: FloatArray) -> list[FloatArray]:
+    """Parameters of the surface under the outline of a sheet; places in its grid's order."""
+    held = mesh.grid >= 0
+    if held.all():
+        return [outline(target, rim(mesh.vertices_coords[mesh.grid]), rim(places))]
+    under = np.empty((len(mesh.vertices_coords), places.shape[2]))
+    under[mesh.grid[held]] = places[held]
+    loops = boundary_loops(mesh.edges)
+    return [outline(target, mesh.vertices_coords[loop], under[loop]) for loop in loops]
 
 
 def _seed(
@@ -317,22 +390,23 @@ class _Follower:
     """Chooses strip after strip from one offset to the other, until the domain is passed."""
 
     def __init__(
-        self, target: Target, cost: str, places: FloatArray, offset: float, longest: float
+        self, target: Target, setting: _Setting, places: FloatArray, offset: float, longest: float
     ) -> None:
         self.target = target
-        self.cost = cost
-        self.places = places
-        self.offset = offset
+        self.setting = setting
+        self.places = places  # of the front of this strip
+        self.strip = 0
+        self.seed_offset = offset
         self.longest = longest
-        self.rows: list[FloatArray] = []  # places of the rows grown
+        self.rows: list[FloatArray] = []  # places of the rows grown, by strip
         self.found: dict[int, tuple[float, float]] = {}  # angle and cost by the strip's parity
 
     def choose(self, front: Front, strip: int) -> Strip | Stop:
         """The next strip, for `solver.growth.grow`."""
+        self._go_to(strip)
         middles = self.target.places((self.places[1:, :2] + self.places[:-1, :2]) / 2)
         if not self.target.inside(np.concatenate([self.places, middles])).any():
             return Stop(Status.COVERED, "The domain is covered.")
-        self.offset = -self.offset
         flap_angle = self._flap_angle(front, strip % 2)
         if flap_angle is None:
             return Stop(
@@ -340,15 +414,69 @@ class _Follower:
                 f"Strip {strip + 1}: at every flap angle new faces would cross old ones somewhere. "
                 "A larger zigzag or row_step gives the front more room.",
             )
+        if self.setting.lookahead:
+            flap_angle = self._looked_ahead(front, flap_angle)
 
         def to_offset(rays: Rays) -> FloatArray:
-            lengths, self.places = ray_hit(
-                self.target, rays.vertices_coords, rays.directions, self.offset, self.places
-            )
-            self.rows.append(self.places)
-            return np.where(lengths < self.longest, lengths, np.nan)
+            lengths, places = self._reached(rays, strip, self.places)
+            self.rows.append(places)
+            return lengths
 
         return Strip(flap_angle, to_offset)
+
+    def narrow(self, strip: int, first: int, last: int) -> None:
+        """Leave vertices of this strip's front out, for `solver.ending_rows`."""
+        self._go_to(strip)
+        self.places = self.places[first:last]
+        if first:  # flap angles are counted at vertex 1
+            self.found.clear()
+
+    def _go_to(self, strip: int) -> None:
+        """Begin this strip, or begin it again: what was chosen for it before is void."""
+        if strip > self.strip:
+            self.strip, self.places = strip, self.rows[strip - 1]
+        del self.rows[strip:]
+
+    def _reached(self, rays: Rays, strip: int, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lengths of a strip's creases, NaN where they miss its offset nearby, and places there."""
+        offset = self.seed_offset * (-1.0) ** (strip + 1)
+        lengths, found = ray_hit(self.target, rays.vertices_coords, rays.directions, offset, places)
+        return np.where(lengths < self.longest, lengths, np.nan), found
+
+    def _looked_ahead(self, front: Front, flap_angle: float) -> float:
+        """The flap angle, or one beside it, after which the fewest creases miss their offsets."""
+        fewest = self._misses(front, flap_angle)
+        if fewest == 0:
+            return flap_angle
+        free = front.free_flap_angles()
+        best = flap_angle
+        for aside in np.stack([-_ASIDE, _ASIDE], axis=1).ravel().tolist():
+            trial = flap_angle + aside
+            if is_free(free, trial):
+                misses = self._misses(front, trial)
+                if misses < fewest:
+                    best, fewest = trial, misses
+        return best
+
+    def _misses(self, front: Front, flap_angle: float) -> int:
+        """How many creases of this strip, and of the next one after it, cannot be grown."""
+        size = len(self.places)
+        rays = front.rays(flap_angle)
+        lengths, places = self._reached(rays, self.strip, self.places)
+        missed = size - int(usable_lengths(lengths, rays).sum())
+        if missed:
+            return size + missed
+        row = rays.row(lengths)
+        try:
+            following = Front.between(row, front.vertices_coords)
+        except InvalidValue:
+            return size
+        free = following.free_flap_angles()
+        if not len(free):
+            return size
+        rays = following.rays(self._cost_of(following, places).best_of(free))
+        lengths, _ = self._reached(rays, self.strip + 1, places)
+        return size - int(usable_lengths(lengths, rays).sum())
 
     def _flap_angle(self, front: Front, parity: int) -> float | None:
         """The free flap angle of least cost; None where none is free.
@@ -359,7 +487,7 @@ class _Follower:
         free = front.free_flap_angles()
         if not len(free):
             return None
-        flap_cost = self._cost_of(front)
+        flap_cost = self._cost_of(front, self.places)
         known = self.found.get(parity)
         if known is not None:
             angle = flap_cost.minimum(known[0] - _NEAR, known[0] + _NEAR)
@@ -372,10 +500,10 @@ class _Follower:
         self.found[parity] = angle, float(flap_cost.cost(np.array([angle]))[0])
         return angle
 
-    def _cost_of(self, front: Front) -> FlapCost:
-        if self.cost == "design_angles":
+    def _cost_of(self, front: Front, places: FloatArray) -> FlapCost:
+        if self.setting.cost == "design_angles":
             return DesignAngleCost.of(front)
-        return Mirror.of(front, self.target.normal(self.places[1:-1]))
+        return Mirror.of(front, self.target.normal(places[1:-1]))
 
 
 def _trimmed(
@@ -396,21 +524,19 @@ def _trimmed(
             fit = wider
     if setting.turn:
         target = TurnedTarget(target, setting.turn)
-    places = fit.places
-    kept = np.zeros((len(places) - 1, places.shape[1] - 1), bool)
+    held = _cells(fit.growth.mesh)
+    uv = fit.places[..., :2]
+    corners = [uv[:-1, :-1][held], uv[:-1, 1:][held], uv[1:, :-1][held], uv[1:, 1:][held]]
+    reaching: BoolArray = np.zeros(len(corners[0]), bool)
     for s, t in product(_WITHIN, _WITHIN):  # points all over each face
-        lower = (1 - t) * places[:-1, :-1, :2] + t * places[:-1, 1:, :2]
-        upper = (1 - t) * places[1:, :-1, :2] + t * places[1:, 1:, :2]
-        uv = ((1 - s) * lower + s * upper).reshape(-1, 2)
-        kept |= target.inside(target.places(uv)).reshape(kept.shape)
-    if not kept.any():
+        lower = (1 - t) * corners[0] + t * corners[1]
+        upper = (1 - t) * corners[2] + t * corners[3]
+        reaching |= target.inside(target.places((1 - s) * lower + s * upper))
+    if not reaching.any():
         return fit.growth
-    mesh = fit.growth.mesh.with_faces(one_piece(kept))
-    under = np.empty((len(mesh.vertices_coords), places.shape[2]))
-    held = mesh.grid >= 0
-    under[mesh.grid[held]] = places[held]
-    outlines = [
-        outline(target, mesh.vertices_coords[loop], under[loop])
-        for loop in boundary_loops(mesh.edges)
-    ]
-    return replace(fit.growth, mesh=mesh, coverage=coverage(target, outlines))
+    kept = np.zeros(held.shape, bool)
+    kept[held] = reaching
+    mesh = fit.growth.mesh.with_faces(one_piece(kept, held))
+    return replace(
+        fit.growth, mesh=mesh, coverage=coverage(target, _outlines(target, mesh, fit.places))
+    )

@@ -12,7 +12,7 @@ import numpy as np
 from solver.errors import InvalidValue, require_count
 from solver.front import Front, Rays
 from solver.mesh import QuadMesh, Side
-from solver.vectors import LARGEST, SMALLEST, FloatArray
+from solver.vectors import LARGEST, SMALLEST, BoolArray, FloatArray
 
 __all__ = ["Growth", "Lengths", "Status", "Stop", "Strip", "grow"]
 
@@ -190,8 +190,7 @@ def lengths_along(wanted: Lengths, rays: Rays) -> FloatArray:
 
 def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
     """The first vertex whose length cannot be used, why, and the bound; None where all can."""
-    # shorter creases would drown in the rounding of the coordinates
-    least = max(SMALLEST, _RESOLVED * float(np.abs(rays.vertices_coords).max()))
+    least = _least_length(rays)
     if lengths.min() > least and lengths.max() < LARGEST and (lengths < rays.length_bounds).all():
         return None
     unusable = np.flatnonzero(~((lengths > least) & (lengths < LARGEST)))
@@ -201,3 +200,15 @@ def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] |
     i = int(np.flatnonzero(lengths >= rays.length_bounds)[0])
     bound = f"be below {rays.length_bounds[i]:.9g}, where neighbouring creases meet"
     return i, Status.LENGTH_OVER_BOUND, bound
+
+
+def usable_lengths(lengths: FloatArray, rays: Rays) -> BoolArray:
+    """Which vertices have a length that can be used, shape (m + 1,)."""
+    size = (lengths > _least_length(rays)) & (lengths < LARGEST)
+    usable: BoolArray = size & (lengths < rays.length_bounds)
+    return usable
+
+
+def _least_length(rays: Rays) -> float:
+    """Shorter creases would drown in the rounding of the coordinates."""
+    return max(SMALLEST, _RESOLVED * float(np.abs(rays.vertices_coords).max()))

@@ -213,6 +213,8 @@ class QuadMesh:
     def with_faces(self, kept: BoolArray) -> QuadMesh:
         """The patch with the faces `kept` alone, by row and column of the grid, (R - 1, C - 1).
 
+        Faces can be kept where the grid has all four corners.
+
         Vertices that no face uses any more are dropped, the others numbered anew in the same order;
         `grid` is -1 where there is none.
         """
@@ -221,7 +223,8 @@ class QuadMesh:
         used = np.zeros(len(self.vertices_coords), bool)
         used[faces] = True
         number = np.where(used, np.cumsum(used) - 1, -1)
-        return QuadMesh(self.vertices_coords[used], number[faces], number[self.grid])
+        grid = np.where(self.grid >= 0, number[self.grid], -1)
+        return QuadMesh(self.vertices_coords[used], number[faces], grid)
 
     def cut_open(self) -> QuadMesh:
         """The patch with a closed one's first column doubled behind its last, to lie flat.

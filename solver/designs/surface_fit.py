@@ -98,6 +98,8 @@ class SurfaceFit:
     turn : direction of growth, from the surface's u towards its v, radians; None: chosen.
     trim : whether faces outside the surface's domain are dropped.
     cost : what flap angles make least: mirror, or design_angles, the paper's S30.
+    rows_may_end : whether a front goes on without vertices at its side that miss their offset.
+    lookahead : whether settings that stop are tried again with one strip of lookahead.
     """
 
     surface: str | Target = field(default="waves", metadata={"target": True})
@@ -108,6 +110,8 @@ class SurfaceFit:
     turn: float | None = field(default=None, metadata={"angle": True})
     trim: bool = False
     cost: str = "mirror"
+    rows_may_end: bool = False
+    lookahead: bool = False
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
@@ -135,5 +139,7 @@ class SurfaceFit:
             turn=self.turn,
             trim=self.trim,
             cost=self.cost,
+            rows_may_end=self.rows_may_end,
+            lookahead=self.lookahead,
             progress=progress,
         )
