@@ -25,8 +25,8 @@ Growth whose rows may end where vertices at their sides cannot be grown
 Growth on a part of a front and around a corner, S1 B.1
     `grow_part`, `grow_corner`, `grow_pentagon`, `CornerStrip`; module `corner`.
 Surface fitting, S4
-    `fit_surface`, and the surfaces of `solver.targets`; module `fitting`. Costs of the flap angle,
-    S30 among them, as landscapes: modules `flap_costs` and `mirroring`.
+    `fit_surface`, and the surfaces of `solver.targets`; modules `fitting` and `following`. Costs of
+    the flap angle, S30 among them, as landscapes: modules `flap_costs` and `mirroring`.
 Relaxation: all vertices of a sheet at once, onto any surface
     `relax`, `relaxed_sheet` and their terms; package `solver.relaxation`.
 Designs of the figures
