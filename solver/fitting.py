@@ -98,14 +98,17 @@ class _Fit:
     beyond: float
 
     @property
-    def rank(self) -> tuple[bool, float]:
+    def rank(self) -> tuple[int, float]:
         """Whether growth passed the domain, and how well it is covered: more is better.
 
-        A sheet whose rows ended has passed it where it covers nearly all of it.
+        A sheet whose rows ended comes before those that stopped, and is with the whole ones where
+        it covers nearly all of the domain.
         """
-        whole = bool((self.growth.mesh.grid >= 0).all())
-        passed = self.growth.status is Status.GROWN and (whole or self.covers >= _ENOUGH_ENDED)
-        return passed, self.covers - self.beyond / 4
+        level = 0
+        if self.growth.status is Status.GROWN:
+            whole = bool((self.growth.mesh.grid >= 0).all())
+            level = 2 if whole or self.covers >= _ENOUGH_ENDED else 1
+        return level, self.covers - self.beyond / 4
 
     @property
     def covers(self) -> float:
@@ -116,7 +119,7 @@ class _Fit:
     @property
     def good(self) -> bool:
         """Whether no other setting need be tried."""
-        return self.rank[0] and self.covers >= _ENOUGH and self.beyond <= _BEYOND
+        return self.rank[0] == 2 and self.covers >= _ENOUGH and self.beyond <= _BEYOND
 
 
 def fit_surface(
@@ -197,14 +200,14 @@ def _best_fit(
     lookahead : whether the best settings are tried again with it where none is good.
     """
     best: tuple[_Setting, _Fit] | None = None
-    tried: list[tuple[tuple[bool, float], _Setting]] = []
+    tried: list[tuple[tuple[int, float], _Setting]] = []
     refused: InvalidValue | None = None
     for setting in settings:
         try:
             fit = _grown(target, setting, progress)
         except InvalidValue as error:
             refused = refused or error
-            tried.append(((False, -1.0), setting))
+            tried.append(((0, -1.0), setting))
             continue
         tried.append((fit.rank, setting))
         if best is None or fit.rank > best[1].rank:
