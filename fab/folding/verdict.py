@@ -266,7 +266,8 @@ def _angles_do_not_close(verdict: Verdict, misplaced: Sequence[Misplaced]) -> Fi
         f"the fold angles do not close around {around}: by up to {verdict.closure_max_rad:.3g} rad."
     )
     if len(misplaced) < count:
-        text += f" One of {'its' if count == 1 else 'their'} creases has a wrong angle."
+        text += f" One of {'its' if count == 1 else 'their'} creases has a wrong angle: "
+        text += "correct it, or give --rigid for angles that close."
     if misplaced:
         worst = max(misplaced, key=lambda each: each.distance_mm)
         own = "" if count == 1 else f" of vertex {worst.vertex}"

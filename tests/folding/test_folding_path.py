@@ -191,6 +191,7 @@ def test_findings_agree_in_number():
         found = findings_of(replace(verdict, open_vertices=vertices))
         (finding,) = [f for f in found if f.code == "angles-do-not-close"]
         assert text in finding.text
+        assert "give --rigid" in finding.text
 
 
 def test_only_sheets_that_get_stuck_are_folded_again():
