@@ -27,6 +27,8 @@ Growth on a part of a front and around a corner, S1 B.1
 Surface fitting, S4
     `fit_surface`, and the surfaces of `solver.targets`; modules `fitting` and `following`. Costs of
     the flap angle, S30 among them, as landscapes: modules `flap_costs` and `mirroring`.
+Sheets that fold rigidly and flat, marched from a row and a column, with their one motion
+    `march`, `RigidSheet`; modules `rigid_march` and `flat_foldable`.
 Relaxation: all vertices of a sheet at once, onto any surface
     `relax`, `relaxed_sheet` and their terms; package `solver.relaxation`.
 Designs of the figures
@@ -60,6 +62,7 @@ from solver.designs import (
     Design,
     Miura,
     RandomTube,
+    RigidMiura,
     ShapedRibbon,
     SurfaceFit,
     TiltedRings,
@@ -70,6 +73,7 @@ from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
+from solver.rigid_march import RigidSheet, march
 from solver.targets import (
     Frame,
     ImplicitSurface,
@@ -126,6 +130,8 @@ __all__ = [
     "QuadMesh",
     "RandomTube",
     "Rays",
+    "RigidMiura",
+    "RigidSheet",
     "ShapedRibbon",
     "Side",
     "Status",
@@ -154,6 +160,7 @@ __all__ = [
     "isometry",
     "locked_flap_angles",
     "loop_closings",
+    "march",
     "planarity",
     "ray_hit",
     "seeds",

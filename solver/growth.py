@@ -24,6 +24,7 @@ class Status(StrEnum):
     FRONT_NOT_FOLDABLE = "front_not_foldable"
     LENGTH_OVER_BOUND = "length_over_bound"
     LENGTH_NOT_POSITIVE = "length_not_positive"
+    SECTOR_OUT_OF_BOUNDS = "sector_out_of_bounds"
     LOOP_NOT_CLOSED = "loop_not_closed"
     FACES_CROSS = "faces_cross"
     CORNER_NOT_CONVEX = "corner_not_convex"

@@ -52,7 +52,7 @@ class DesignSettings(Settings):
         for field in _fields(self.design_class):
             value = values[design_key(field)]
             if _is_angle(field) and value is not None:
-                value = math.radians(value)
+                value = _each(math.radians, value)
             elif _is_target(field):
                 value = _target(value, values["face"], values["up"], folder)
             given[field.name] = value
@@ -136,8 +136,15 @@ def _key(field: dataclasses.Field[Any], annotation: Any) -> Any:
     if default is dataclasses.MISSING:
         return Field(strict=strict)
     if _is_angle(field) and default is not None:
-        default = round(math.degrees(default), 10)
+        default = _each(lambda angle: round(math.degrees(angle), 10), default)
     return Field(default=default, strict=strict)
+
+
+def _each(convert: Callable[[float], float], value: Any) -> Any:
+    """An angle converted, or each of several."""
+    if isinstance(value, tuple | list):
+        return tuple(convert(angle) for angle in value)
+    return convert(value)
 
 
 SHIPPED_DESIGNS = {kind: design_settings(kind, cls) for kind, cls in DESIGNS.items()}

@@ -16,6 +16,7 @@ from solver.designs.crumpled import Crumpled
 from solver.designs.curved_fold import CurvedFold
 from solver.designs.miura import Miura
 from solver.designs.random_tube import RandomTube
+from solver.designs.rigid_miura import RigidMiura
 from solver.designs.shaped_ribbon import ShapedRibbon
 from solver.designs.surface_fit import SurfaceFit
 from solver.designs.tilted_rings import TiltedRings
@@ -30,6 +31,7 @@ __all__ = [
     "Design",
     "Miura",
     "RandomTube",
+    "RigidMiura",
     "ShapedRibbon",
     "SurfaceFit",
     "TiltedRings",
@@ -43,6 +45,7 @@ Design = (
     | CurvedFold
     | Miura
     | RandomTube
+    | RigidMiura
     | ShapedRibbon
     | SurfaceFit
     | TiltedRings
@@ -56,6 +59,7 @@ DESIGNS: dict[str, type[Design]] = {
     "curved_fold": CurvedFold,
     "miura": Miura,
     "random_tube": RandomTube,
+    "rigid_miura": RigidMiura,
     "shaped_ribbon": ShapedRibbon,
     "surface_fit": SurfaceFit,
     "tilted_rings": TiltedRings,
