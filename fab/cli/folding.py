@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -42,9 +43,13 @@ __all__ = ["simulate"]
 @click.option(
     "--solver",
     type=click.Choice(["quasi-static", "dynamic"]),
-    default="quasi-static",
-    show_default=True,
-    help="From rest to rest, or masses that move (slow; to compare).",
+    default=None,
+    help="From rest to rest (default), or masses that move (slow; to compare).",
+)
+@click.option(
+    "--fold-flat",
+    is_flag=True,
+    help="With --rigid: go on beyond the target until the sheet is folded flat.",
 )
 @click.option(
     "--tolerance-deg",
@@ -62,7 +67,8 @@ def simulate(
     file: Path,
     out: Path,
     states: int | None,
-    solver: str,
+    solver: str | None,
+    fold_flat: bool,
     tolerance_deg: float | None,
     size: Size,
     options: ReadOptions,
@@ -72,7 +78,9 @@ def simulate(
 ) -> None:
     """Fold a crease pattern, or the sheet of a job, from flat, and judge whether it gets there.
 
-    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML).
+    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML). With --rigid the faces stay
+    flat: the sheet follows its rigid motion, where there is one, to its target, or until the crease
+    that folds most is at --fold-deg.
     """
     with answers() as interrupts:
         from fab.folding.folding_files import SimulationFormat, simulate
@@ -80,6 +88,13 @@ def simulate(
         from fab.outputs import plain_title
 
         formats = formats_of(only, SimulationFormat) or list(SimulationFormat)
+        if options.rigid and solver is not None:
+            raise InvalidJob(f"--solver {solver} and --rigid: leave out one of them.")
+        if fold_flat and not options.rigid:
+            raise InvalidJob("--fold-flat goes on along the motion of --rigid: give both.")
+        chosen = Solver.RIGID if options.rigid else Solver(solver or Solver.QUASI_STATIC)
+        if options.fold_deg is None:
+            options = replace(options, rigid=False)  # the angles of the file are the target
         job = _job_of(file, states, allow_code)
         if job is not None:
             _require_none(file, options, size)
@@ -92,11 +107,12 @@ def simulate(
                 pattern,
                 name,
                 settings,
-                solver=Solver(solver),
+                solver=chosen,
                 formats=formats,
                 findings=findings,
                 progress=progress,
                 tolerance_deg=tolerance_deg,
+                fold_flat=fold_flat,
             )
 
         deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)
@@ -147,7 +163,10 @@ def _pattern(
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+    yield report["rigid"]["text"]
     verdict = report["verdict"]
+    if verdict is None:
+        return
     far = verdict["rmsd_rel"]
     yield (
         f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "

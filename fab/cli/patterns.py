@@ -30,9 +30,11 @@ __all__ = ["check", "convert"]
 def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> None:
     """Measure a pattern that has a folded form: planar, developable, isometric, uncrossed?
 
-    FILE is FOLD, or one of a pair of OBJ files; drawings have no folded form.
+    FILE is FOLD, or one of a pair of OBJ files; drawings have no folded form. Of any pattern it
+    says whether it folds with flat faces, and with how many degrees of freedom.
     """
     with answers():
+        from fab.folding.rigid_motion import rigid_motion
         from fab.formats.pattern_file import resized
         from fab.jobs.pattern_check import check_pattern
         from fab.jobs.reading import read_any
@@ -45,16 +47,18 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
         tell(read.findings)
         try:
             found = check_pattern(pattern, tolerance)
+            motion = rigid_motion(pattern)
         except InvalidValue as error:
             raise InvalidFile(f"{file}: {error}") from error
-        if found is None:
-            raise InvalidFile(
-                f"{file}: no folded frame to measure. Add a frame of class foldedForm."
-            )
         counts = pattern.counts()
         say(f"vertices            {len(pattern.vertices_coords)}")
         say(f"faces               {pattern.face_count}")
         say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
+        say(f"flat faces          {motion.sentence()}")
+        if found is None:
+            raise InvalidFile(
+                f"{file}: no folded frame to measure. Add a frame of class foldedForm."
+            )
         say(f"planarity           {found.accuracy.planarity_max:.3e}")
         say(f"developability      {found.accuracy.developability_max_rad:.3e} rad")
         say(f"isometry            {found.accuracy.isometry_max_rel:.3e}")

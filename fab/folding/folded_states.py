@@ -12,17 +12,18 @@ from fab.errors import Finding, Severity
 from fab.folding.bar_hinge_model import Framework, framework
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import hinges_around
+from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.rigid_states import rigid_coords
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.folding.simulation import fold_and_judge
 from fab.folding.target_forms import target_form
 from fab.folding.verdict import folded_form
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
-from fab.pattern.face_poses import face_poses
+from fab.pattern.face_poses import bend_mm, face_poses
 from fab.pattern.kinematics import unknown_angles
 from fab.progress import Progress, silent
 from solver.errors import require_count
-from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
+from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
 __all__ = [
     "FoldedState",
@@ -47,6 +48,8 @@ _NOT_RIGID = Finding(
 # corners are 20 to 50 times nearer to rigid faces than with the stiffness of paper, which a job's
 # own simulation has. So the two are different folds, and a job may need both.
 _CREASE_STIFFNESS = 0.01
+# Rigid faces miss their places by less than this share of the sheet.
+_BENT_REL = 1e-9
 # Accuracy of the fold angles of states.
 _ANGLE_DEG = 1e-6
 
@@ -117,10 +120,7 @@ def panels_at(
     """
     sheet = pattern if sheet is None else sheet
     turns, shifts = face_poses(sheet, coords)
-    face = np.repeat(np.arange(sheet.face_count), np.diff(sheet.faces_offsets))
-    flat = sheet.vertices_coords[sheet.faces_vertices]
-    placed = np.squeeze(turns[face, :, :2] @ flat[:, :, None], axis=2) + shifts[face]
-    bend = float(norm(placed - coords[sheet.faces_vertices]).max(initial=0.0))
+    bend = bend_mm(sheet, coords, (turns, shifts))
     return FoldedState(stage, share, turns, shifts, _angles_deg(pattern, turns), bend)
 
 
@@ -164,7 +164,8 @@ def folded_states(
 ) -> tuple[list[FoldedState], list[Finding]]:
     """The flat state, `count` states of a simulated fold between, and the target.
 
-    The fold is simulated with soft creases, so that faces stay as plane as the pattern allows. The
+    A pattern with one rigid motion from flat to its target has the states of that motion. The fold
+    of others is simulated with soft creases, so that faces stay as plane as the pattern allows. The
     target is the pattern's own folded form, or that of its angles where they close, or what it
     folds to where that has the right angles. Without any of these, the end of the fold is a state
     between. A pattern in which nothing folds has the flat state alone.
@@ -175,6 +176,9 @@ def folded_states(
     states = [flat_panels(pattern)]
     if not (np.abs(pattern.edges_foldAngle) > FLAT_ANGLE_DEG).any():
         return states, []
+    rigid = _rigid(pattern, count)
+    if rigid is not None:
+        return [*states, *rigid], []
     settings = FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS)
     folding, verdict, _ = fold_and_judge(pattern, settings, progress=progress)
     frame, target = folding.frame, folded_form(folding, verdict)
@@ -188,6 +192,24 @@ def folded_states(
     if between and max(state.share for state in between) < _LEAST_SHARE:
         findings.append(_NOT_RIGID)
     return states, findings
+
+
+def _rigid(pattern: CreasePattern, count: int) -> list[FoldedState] | None:
+    """States of the only rigid motion, from that after the flat one; None where it is not one."""
+    motion = rigid_motion(pattern)
+    freedom = motion.freedom
+    if motion.verdict is not RigidVerdict.FOLDS or freedom is None or freedom.count != 1:
+        return None
+    frame, target = motion.creases.frame, known_target(pattern)
+    predictor = rotation_predictor(frame)
+    states = []
+    for angles in motion.stations(count + 1)[1:-1]:
+        coords = predictor.coords(motion.creases.spread(angles)) * frame.size_mm
+        made = panels_at(pattern, coords, Stage.BETWEEN, 1.0, frame.sheet.pattern)
+        if made.bend_mm > _BENT_REL * frame.size_mm:
+            return None  # faces do not meet around a hole
+        states.append(replace(made, share=_share(pattern, made)))
+    return None if target is None else [*states, target]
 
 
 def with_free_angles(pattern: CreasePattern, states: Sequence[FoldedState]) -> CreasePattern:

@@ -10,7 +10,9 @@ from typing import Any
 
 from fab.errors import Finding
 from fab.folding.fold_settings import FoldSettings
-from fab.folding.simulation import Solver, fold_and_judge
+from fab.folding.rigid_findings import no_motion, with_motion
+from fab.folding.rigid_motion import rigid_motion
+from fab.folding.simulation import Solver, fold_and_judge, fold_rigidly_and_judge
 from fab.folding.target_forms import form_difference
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
@@ -41,18 +43,23 @@ def simulate(
     findings: Sequence[Finding] = (),
     progress: Progress = silent,
     tolerance_deg: float | None = None,
+    fold_flat: bool = False,
 ) -> Made:
     """Fold a pattern from flat, and make files of it: NAME_folding.fold, .png, .gif and .json.
 
     The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or of its
     angles where they close, or what it folds to), and a frame for each state. The report is the
-    .json file and holds the verdict.
+    .json file and holds the verdict, and under "rigid" whether the sheet folds with flat faces.
 
     Parameters
     ----------
     pattern : in millimetres.
     name : what files and pictures call it.
     findings : of its reader, repeated in the report.
+    solver : `Solver.RIGID` follows the rigid motion of the sheet; without one, the report is made
+        alone, with an error.
+    fold_flat : whether it goes on beyond the target until the sheet is folded flat, as far as no
+        faces pass through each other; of that solver alone.
     tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
         left out, and in proportion for shape and strain.
     progress : called with (stage, steps done, steps in the stage).
@@ -61,15 +68,31 @@ def simulate(
     """
     settings = settings or FoldSettings()
     tolerance = Tolerance() if tolerance_deg is None else Tolerance(tolerance_deg)
-    folding, verdict, found = fold_and_judge(pattern, settings, solver, progress, tolerance)
-    files: dict[str, bytes] = {}
+    motion = rigid_motion(pattern)
+    report: dict[str, Any] = {
+        "name": name,
+        "solver": solver,
+        "settings": settings.model_dump(mode="json"),
+    }
     stem = f"{name}_folding"
+    if solver is not Solver.RIGID:
+        folding, verdict, found = fold_and_judge(pattern, settings, solver, progress, tolerance)
+        found, shown, rigid = with_motion(found, verdict, motion), folding, motion.report()
+    elif not len(motion.path):
+        report |= {"verdict": None, "rigid": motion.report()}
+        return with_report({}, f"{stem}.json", report, [*findings, no_motion(motion)])
+    else:
+        fold, verdict, found = fold_rigidly_and_judge(
+            pattern, motion, settings, progress, tolerance, fold_flat=fold_flat
+        )
+        folding, shown, rigid = fold.folding, fold.shown, motion.report() | fold.report(motion)
+    files: dict[str, bytes] = {}
     sheet = folding.frame.sheet.pattern
     if SimulationFormat.FOLD in formats:
         progress("write", 0, 1)
         size = folding.frame.size_mm
         states = [
-            (f"{state.load:.2%} of the way", state.coords * size) for state in folding.states[1:]
+            (f"{state.load:.2%} of the way", state.coords * size) for state in shown.states[1:]
         ]
         form = folded_form(folding, verdict, tolerance)
         folded = None if form is None else form * size
@@ -78,19 +101,14 @@ def simulate(
         from fab.folding.animation import strain_png_bytes
 
         progress("draw", 0, 1)
-        files[f"{stem}.png"] = strain_png_bytes(folding, name)
+        files[f"{stem}.png"] = strain_png_bytes(shown, name)
     if SimulationFormat.GIF in formats:
         from fab.folding.animation import gif_bytes
 
-        files[f"{stem}.gif"] = gif_bytes(folding, name, partial(progress, "draw"))
+        files[f"{stem}.gif"] = gif_bytes(shown, name, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
     every = [*findings, *([] if differs else inspect_angles(sheet)), *found]
-    report: dict[str, Any] = {
-        "name": name,
-        "solver": solver,
-        "settings": settings.model_dump(mode="json"),
-        "verdict": verdict.report(),
-    }
+    report |= {"verdict": verdict.report(), "rigid": rigid}
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
     progress("write", 1, 1)

@@ -15,24 +15,27 @@ from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import closing_path
 from fab.folding.misplaced_vertices import Misplaced, misplaced_vertices
 from fab.folding.quasi_static import Folding, fold
+from fab.folding.rigid_findings import findings_of_fold
+from fab.folding.rigid_folding import RigidFold, fold_rigidly
+from fab.folding.rigid_motion import RigidMotion
 from fab.folding.target_forms import inspect_form
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import Verdict, findings_of, judge
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Progress, silent
 
-__all__ = ["Solver", "fold_and_judge"]
-
+__all__ = ["Solver", "fold_and_judge", "fold_rigidly_and_judge"]
 
 # Folding paths of more hinges take minutes to find.
 _MOST_HINGES = 2000
 
 
 class Solver(StrEnum):
-    """How the sheet is folded: from rest to rest, or by masses that move."""
+    """How the sheet is folded: from rest to rest, by masses that move, or along a rigid motion."""
 
     QUASI_STATIC = "quasi-static"
     DYNAMIC = "dynamic"
+    RIGID = "rigid"
 
 
 def fold_and_judge(
@@ -44,8 +47,9 @@ def fold_and_judge(
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """Fold a pattern from flat, and judge whether it reaches its target.
 
-    A sheet that gets stuck when all its creases fold at once is folded again, along a folding path
-    (up to 2,000 hinges, quasi-static only).
+    By the first two solvers; the third is `fold_rigidly_and_judge`. A sheet that gets stuck when
+    all its creases fold at once is folded again, along a folding path (up to 2,000 hinges,
+    quasi-static only).
 
     pattern : in millimetres.
     tolerance : how exactly the target must be reached; by default 0.1 degrees.
@@ -71,6 +75,36 @@ def fold_and_judge(
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
     ]
     return folding, verdict, findings
+
+
+def fold_rigidly_and_judge(
+    pattern: CreasePattern,
+    motion: RigidMotion,
+    settings: FoldSettings,
+    progress: Progress = silent,
+    tolerance: Tolerance | None = None,
+    *,
+    fold_flat: bool = False,
+) -> tuple[RigidFold, Verdict, list[Finding]]:
+    """Fold a pattern along its rigid motion, and judge whether it reaches its target.
+
+    motion : that of the pattern, with a path. progress : called with the stages "fold" and "judge".
+    tolerance : as for `fold_and_judge`; fold_flat : as for `fold_rigidly`.
+    """
+    tolerance = tolerance or Tolerance()
+    frame = framework(pattern, settings)
+    made = fold_rigidly(
+        frame, motion, settings.steps, partial(progress, "fold"), fold_flat=fold_flat
+    )
+    progress("judge", 0, 1)
+    verdict = judge(made.folding, tolerance)
+    progress("judge", 1, 1)
+    findings = [
+        *inspect_form(frame, tolerance),
+        *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
+        *findings_of_fold(motion, made, fold_flat),
+    ]
+    return made, verdict, findings
 
 
 def _misplaced(frame: Framework, verdict: Verdict) -> list[Misplaced]:

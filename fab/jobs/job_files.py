@@ -274,9 +274,12 @@ def _simulation(sheet: Sheet, clock: Clock) -> _Part:
     settings = sheet.settings.simulation
     if settings is None:
         return _Part(report={"simulation": None})
+    from fab.folding.rigid_findings import with_motion
+    from fab.folding.rigid_motion import rigid_motion
     from fab.folding.simulation import fold_and_judge
 
     _, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
+    findings = with_motion(findings, verdict, rigid_motion(sheet.pattern))
     return _Part(findings=findings, report={"simulation": verdict.report()})
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fab.pattern.crease_pattern import CreasePattern
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, norm
 
-__all__ = ["face_poses"]
+__all__ = ["bend_mm", "face_poses"]
 
 
 def face_poses(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -23,6 +23,22 @@ def face_poses(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, 
     for faces, corners in pattern.faces_by_size():
         turns[faces], shifts[faces] = _fitted(flat[corners], coords[corners])
     return turns, shifts
+
+
+def bend_mm(
+    pattern: CreasePattern,
+    coords: FloatArray,
+    poses: tuple[FloatArray, FloatArray] | None = None,
+) -> float:
+    """Largest distance of a corner, at `coords` (nv, 3), from where its rigid face has it, mm.
+
+    poses : those of `face_poses`, where they are known.
+    """
+    turns, shifts = face_poses(pattern, coords) if poses is None else poses
+    face = np.repeat(np.arange(pattern.face_count), np.diff(pattern.faces_offsets))
+    flat = pattern.vertices_coords[pattern.faces_vertices]
+    placed = np.squeeze(turns[face, :, :2] @ flat[:, :, None], axis=2) + shifts[face]
+    return float(norm(placed - coords[pattern.faces_vertices]).max(initial=0.0))
 
 
 def _fitted(flat: FloatArray, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
