@@ -8,7 +8,7 @@
 | make files of a folded quad mesh | `from_mesh`, a `Sheet`: `sheet.write("out", ["dxf", "fold"])` |
 | read a crease pattern | `read_pattern`, with `ReadOptions`; `read_any` and `convert` |
 | cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
-| fold it | `simulate`, with `FoldSettings` |
+| fold it | `simulate`, with `FoldSettings`; `rigid_motion`, with flat faces |
 | print it | `make_thick`, with `thick_settings` |
 | have it as solids | `thicken`, with `PanelSettings` and `HingeSettings`; `step_bytes` |
 | have it in build123d | `assembly`, a Compound with a joint at every crease; `pose` it |
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from fab.errors import Finding, InvalidFile, InvalidJob, Severity
     from fab.folding.fold_settings import FoldSettings
     from fab.folding.folding_files import simulate
+    from fab.folding.rigid_motion import rigid_motion
     from fab.formats.conversion import convert
     from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job, load_job, parse_job
@@ -88,6 +89,7 @@ __all__ = [
     "pose",
     "read_any",
     "read_pattern",
+    "rigid_motion",
     "simulate",
     "step_bytes",
     "thick_settings",
@@ -124,6 +126,7 @@ _MODULES = {
     "pose": "fab.panels.cad_assembly",
     "read_any": "fab.jobs.reading",
     "read_pattern": "fab.jobs.reading",
+    "rigid_motion": "fab.folding.rigid_motion",
     "simulate": "fab.folding.folding_files",
     "step_bytes": "fab.panels.step",
     "thick_settings": "fab.printing.thick_settings",

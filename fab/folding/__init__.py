@@ -9,4 +9,7 @@
   folded form that is, `tolerance` how exactly, `misplaced_vertices` where vertices are at fault.
 - `folded_states` gives the states of rigid panels: `folded_states`, each a `FoldedState`;
   `rigid_states` finds those without bent faces, `rigid_angles` the fold angles of a rigid fold.
+- `rigid_motion` says whether a sheet folds with flat faces, and how: `rigid_motion`, a
+  `RigidMotion`; `freedom` counts its degrees of freedom, `rigid_folding` follows it,
+  `rigid_findings` reports it. States that close and steps between them: `rigid_creases`.
 """

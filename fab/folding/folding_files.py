@@ -69,6 +69,7 @@ def simulate(
     settings = settings or FoldSettings()
     tolerance = Tolerance() if tolerance_deg is None else Tolerance(tolerance_deg)
     motion = rigid_motion(pattern)
+    solver = Solver(solver)
     report: dict[str, Any] = {
         "name": name,
         "solver": solver,

@@ -39,8 +39,7 @@ class Freedom:
     ----------
     count : degrees of freedom; exact : whether there are no more of them.
     moving : the creases that move, shape (k,).
-    least_locked : the smallest singular value that is not 0, of those that were looked at; 0 where
-        there is none.
+    least_locked : about the smallest singular value that is not 0; 0 where there is none.
     """
 
     count: int

@@ -36,6 +36,8 @@ CLOSED_RAD = 1e-9
 # Newton's method goes on to this, as rounding allows.
 EXACT_RAD = 1e-13
 _NEWTON_STEPS = 60
+# It ends where so many steps have not halved the error.
+_PATIENCE = 15
 # Added to the diagonal of normal equations, relative to its mean: redundant vertices leave them
 # singular.
 _DAMPING = 1e-12
@@ -125,12 +127,17 @@ def closed(creases: RigidCreases, angles: FloatArray, held: int | None = None) -
     held : a crease whose angle stays.
     """
     best, least = angles, np.inf
-    for _ in range(_NEWTON_STEPS):
+    halved, bound = 0, np.inf
+    for number in range(_NEWTON_STEPS):
         missed, jacobian = creases.linearised(angles)
         worst = float(np.abs(missed).max(initial=0.0))
         if worst < least:
             best, least = angles, worst
         if worst <= EXACT_RAD or (worst <= CLOSED_RAD and worst > least):
+            break
+        if worst <= bound / 2:
+            halved, bound = number, worst
+        elif number - halved >= _PATIENCE:
             break
         if held is not None:
             free = np.ones(len(angles))

@@ -24,9 +24,9 @@ def with_motion(
     if motion.verdict is not RigidVerdict.FOLDS:
         return list(findings)
     text = (
-        f"the sheet {motion.sentence()}; along that motion (simulate --rigid) its faces stay flat. Driven "
-        f"all at one rate, its creases strain it by up to {verdict.peak_strain:.2%} on the way, at "
-        f"{verdict.peak_strain_load:.0%}."
+        f"the sheet {motion.sentence()}; along that motion (simulate --rigid) its faces stay flat. "
+        f"Driven all at one rate, its creases strain it by up to {verdict.peak_strain:.2%} on the "
+        f"way, at {verdict.peak_strain_load:.0%}."
     )
     return [
         replace(finding, code="folds-rigidly", text=text)
@@ -48,7 +48,8 @@ def findings_of_fold(motion: RigidMotion, fold: RigidFold, fold_flat: bool) -> l
     fold_flat : whether it was.
     """
     states = counted(len(fold.angles_deg), "state")
-    text = f"the sheet {motion.sentence()}; its faces bend by at most {fold.bend_max_mm:.1e} mm in {states}."
+    bend = f"{fold.bend_max_mm:.1e} mm in {states}"
+    text = f"the sheet {motion.sentence()}; its faces bend by at most {bend}."
     out = [Finding("folds-rigidly", Severity.NOTE, text)]
     if not fold_flat:
         return out
