@@ -200,8 +200,8 @@ def _rigid(pattern: CreasePattern, count: int) -> list[FoldedState] | None:
     freedom = motion.freedom
     if motion.verdict is not RigidVerdict.FOLDS or freedom is None or freedom.count != 1:
         return None
-    frame, target = motion.creases.frame, known_target(pattern)
-    predictor = rotation_predictor(frame)
+    frame = motion.creases.frame
+    predictor, form = rotation_predictor(frame), target_form(frame)
     states = []
     for angles in motion.stations(count + 1)[1:-1]:
         coords = predictor.coords(motion.creases.spread(angles)) * frame.size_mm
@@ -209,7 +209,10 @@ def _rigid(pattern: CreasePattern, count: int) -> list[FoldedState] | None:
         if made.bend_mm > _BENT_REL * frame.size_mm:
             return None  # faces do not meet around a hole
         states.append(replace(made, share=_share(pattern, made)))
-    return None if target is None else [*states, target]
+    if form is None:
+        return None
+    sheet = frame.sheet.pattern
+    return [*states, panels_at(pattern, form * frame.size_mm, Stage.TARGET, 1.0, sheet)]
 
 
 def with_free_angles(pattern: CreasePattern, states: Sequence[FoldedState]) -> CreasePattern:

@@ -68,7 +68,6 @@ def simulate(
     """
     settings = settings or FoldSettings()
     tolerance = Tolerance() if tolerance_deg is None else Tolerance(tolerance_deg)
-    motion = rigid_motion(pattern)
     solver = Solver(solver)
     report: dict[str, Any] = {
         "name": name,
@@ -78,11 +77,13 @@ def simulate(
     stem = f"{name}_folding"
     if solver is not Solver.RIGID:
         folding, verdict, found = fold_and_judge(pattern, settings, solver, progress, tolerance)
+        motion = rigid_motion(pattern, folding.frame)
         found, shown, rigid = with_motion(found, verdict, motion), folding, motion.report()
-    elif not len(motion.path):
-        report |= {"verdict": None, "rigid": motion.report()}
-        return with_report({}, f"{stem}.json", report, [*findings, no_motion(motion)])
     else:
+        motion = rigid_motion(pattern)
+        if not len(motion.path):
+            report |= {"verdict": None, "rigid": motion.report()}
+            return with_report({}, f"{stem}.json", report, [*findings, no_motion(motion)])
         fold, verdict, found = fold_rigidly_and_judge(
             pattern, motion, settings, progress, tolerance, fold_flat=fold_flat
         )

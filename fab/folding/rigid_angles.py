@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from fab.errors import Finding, Severity, counted
+from fab.folding.bar_hinge_model import framework
 from fab.folding.rigid_creases import (
     CLOSED_RAD,
     EXACT_RAD,
@@ -59,7 +60,7 @@ def rigid_angles(
     """
     if not 0 < fold_deg <= _FULL_DEG:
         raise InvalidValue("fold_deg", fold_deg, "be over 0 and at most 180", "Give degrees.")
-    creases = rigid_creases(pattern)
+    creases = rigid_creases(framework(replace(pattern, folded_coords=None)))
     if not creases.signs.any():
         text = "no mountain or valley says how the sheet folds: its fold angles stay."
         return pattern, [Finding("rigid-fold-missing", Severity.WARNING, text)]

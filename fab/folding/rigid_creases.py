@@ -6,17 +6,15 @@ every vertex multiply to the identity (belcastro and Hull 2002).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from fab.folding.bar_hinge_model import Framework, framework
-from fab.folding.fold_settings import FoldSettings
+from fab.folding.bar_hinge_model import Framework
 from fab.folding.folding_path import Closure, hinges_around
 from fab.folding.quasi_static import damped
 from fab.folding.rigid_states import crease_jacobian
-from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import FloatArray, IntArray
 
 __all__ = [
@@ -108,9 +106,8 @@ class RigidCreases:
         return np.where(self.signs == 0, free, self.signs * turned)
 
 
-def rigid_creases(pattern: CreasePattern) -> RigidCreases:
-    """The creases of a pattern that fold: M, V, U, and slits. Raises as `framework`."""
-    frame = framework(replace(pattern, folded_coords=None), FoldSettings())
+def rigid_creases(frame: Framework) -> RigidCreases:
+    """The creases of a framework that fold: M, V, U, and slits."""
     letters = frame.sheet.pattern.edges_assignment[frame.hinges_edge]
     turns = (frame.hinges_edge >= 0) & np.isin(letters, ["M", "V", "U", "C"])
     hinges = np.flatnonzero(turns)

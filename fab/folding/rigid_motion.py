@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import counted, first_few
-from fab.folding.bar_hinge_model import framework, hinge_angles, wrapped
+from fab.folding.bar_hinge_model import Framework, framework, hinge_angles, wrapped
 from fab.folding.freedom import Freedom, freedom_of
 from fab.folding.quasi_static import path_at
 from fab.folding.rigid_creases import (
@@ -162,16 +162,18 @@ class RigidMotion:
         return "no folded state with flat faces is found"
 
 
-def rigid_motion(pattern: CreasePattern) -> RigidMotion:
+def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> RigidMotion:
     """The motion of a pattern with rigid faces, from flat to its target.
 
     Its target is its folded form, or its fold angles where they close. Mountains and valleys fold
-    as their letters say, unassigned creases as they must, others not at all. Raises `InvalidValue`
-    as `fab.folding.bar_hinge_model.framework`.
+    as their letters say, unassigned creases as they must, others not at all.
+
+    frame : that of the pattern, where it is known. Raises `InvalidValue` as
+    `fab.folding.bar_hinge_model.framework`.
     """
-    creases = rigid_creases(pattern)
+    creases = rigid_creases(framework(pattern) if frame is None else frame)
     nowhere = np.empty((0, len(creases.hinges)))
-    target = _target(pattern, creases)
+    target = _target(creases)
     if not (creases.signs.any() or (target is not None and _folds(target))):
         return RigidMotion(RigidVerdict.FLAT, creases, nowhere, None)
     between = target
@@ -202,9 +204,9 @@ def rigid_motion(pattern: CreasePattern) -> RigidMotion:
     return RigidMotion(verdict, creases, np.concatenate([path, up[1:]]), freedom)
 
 
-def _target(pattern: CreasePattern, creases: RigidCreases) -> FloatArray | None:
+def _target(creases: RigidCreases) -> FloatArray | None:
     """Angles of the creases at the target, radians; None where it has none with flat faces."""
-    frame = framework(pattern)
+    frame = creases.frame
     angles = frame.hinges_target[creases.hinges]
     form = target_form(frame)
     if form is not None and unknown_angles(frame.sheet.pattern).any():

@@ -278,8 +278,8 @@ def _simulation(sheet: Sheet, clock: Clock) -> _Part:
     from fab.folding.rigid_motion import rigid_motion
     from fab.folding.simulation import fold_and_judge
 
-    _, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
-    findings = with_motion(findings, verdict, rigid_motion(sheet.pattern))
+    folding, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
+    findings = with_motion(findings, verdict, rigid_motion(sheet.pattern, folding.frame))
     return _Part(findings=findings, report={"simulation": verdict.report()})
 
 

@@ -160,14 +160,16 @@ def test_bad_arguments_are_refused(tmp_path, arguments, message):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("solver", list(Solver))
+@pytest.mark.parametrize(
+    "solver", [("--solver", "quasi-static"), ("--solver", "dynamic"), ("--rigid",)]
+)
 def test_an_interrupt_leaves_nothing(tmp_path, monkeypatch, solver):
     def stop(*_):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("fab.folding.verdict.crossing_faces", stop)
-    file = PATTERNS / "square_twist.fold"
-    result = run("simulate", file, "--states", 1, "--solver", solver, "--out", tmp_path)
+    file = PATTERNS / f"{'miura' if solver == ('--rigid',) else 'square_twist'}.fold"
+    result = run("simulate", file, "--states", 1, *solver, "--out", tmp_path)
     assert result.exit_code == 130
     assert list(tmp_path.iterdir()) == []
 

@@ -148,7 +148,7 @@ def test_patterns_of_others(name, verdict, freedom):
 
 def test_the_flat_state_counts_too_many(rigid_sheets):
     """Why freedom is counted between: flat, and folded flat, all axes are in one plane."""
-    creases = rigid_creases(rigid_sheets["miura"])
+    creases = rigid_creases(framework(rigid_sheets["miura"]))
     target = creases.frame.hinges_target[creases.hinges]
     for angles in (0 * target, np.pi * np.sign(target)):
         assert freedom_of(creases.linearised(angles)[1]).count > 1
@@ -173,7 +173,7 @@ def test_creases_that_cannot_move_are_named():
 
 @pytest.fixture(scope="module")
 def derivatives(rigid_sheets):
-    creases = rigid_creases(rigid_sheets["miura"])
+    creases = rigid_creases(framework(rigid_sheets["miura"]))
     return creases.linearised(creases.frame.hinges_target[creases.hinges])[1]
 
 
