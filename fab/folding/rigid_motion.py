@@ -41,6 +41,8 @@ _LEAST_STRIDE_RAD = np.radians(0.01)
 _MOST_STATIONS = 400
 # Creases within this of 180 degrees, or of 0, are folded flat, or flat.
 _FOLDED_RAD = 1e-6
+# Errors of closure grow with the square of those of angles there: what a drawing's digits leave.
+_FLAT_CLOSED_RAD = 1e-4
 # States between are not sought in sheets with more creases: that takes minutes.
 _MOST_CREASES = 4000
 
@@ -63,19 +65,22 @@ class RigidMotion:
     Attributes
     ----------
     verdict : FOLDS, from flat to its target; MISSES, away from flat, but no motion to its target is
-        found; BENDS, the target is a state with flat faces, and no motion leads there from flat;
-        NONE, no such state is found; UNSOUGHT, in a sheet of over 4,000 creases whose target is not
-        between flat and folded flat; FLAT, no crease has to fold.
+        found; BENDS, no motion from flat leads to the target, or to another state with flat faces;
+        NONE, no target is known, nor such a state; UNSOUGHT, in a sheet of over 4,000 creases
+        without a target between flat and folded flat; FLAT, no crease has to fold.
     creases : those that fold. Of holes, the faces around them need not meet.
     path : shape (n, k), radians, angles of the k creases at stations from the beginning of the
         motion, mostly flat, to its end; none (n = 0) where there is no motion.
     freedom : at a state between; None where none is found.
+    missed_rad : where none is found, by how much the nearest does not close; None otherwise. A
+        sheet that folds rigidly, drawn with few digits, misses by little.
     """
 
     verdict: RigidVerdict
     creases: RigidCreases
     path: FloatArray
     freedom: Freedom | None
+    missed_rad: float | None = None
 
     @property
     def driving(self) -> int:
@@ -85,9 +90,8 @@ class RigidMotion:
     def stations(self, count: int) -> FloatArray:
         """Angles at the beginning and after each of `count` equal steps of the driving crease.
 
-        Shape (count + 1, k), radians; all vertices close to rounding.
-
-        Where the driving crease turns back on its way, the steps are those of the path's length.
+        Shape (count + 1, k), radians; all vertices close to rounding. Where the driving crease
+        turns back on its way, the steps are those of the path's length.
         """
         driven = np.abs(self.path[:, self.driving])
         rises = bool((np.diff(driven) > 0).all())
@@ -108,7 +112,7 @@ class RigidMotion:
 
         None where the sheet does not fold so far, or has done so.
         """
-        if not len(self.path) or _is_flat(self.path[-1]):
+        if not len(self.path) or _folded_flat(self.path[-1]):
             return None
         end = self.path[-1]
         flat = np.where(np.abs(end) > _FOLDED_RAD, np.copysign(np.pi, end), 0.0)
@@ -128,18 +132,25 @@ class RigidMotion:
             out["more_degrees_possible"] = not self.freedom.exact
             out["creases_moving"] = int(self.freedom.moving.sum())
             out["creases_still"] = first_few(still.tolist())
+            # errors of closure, rad, for each rad of the softest motion that is locked
+            out["least_locked"] = self.freedom.least_locked
+        if self.missed_rad is not None:
+            out["missed_deg"] = float(np.degrees(self.missed_rad))
         if len(self.path):
             out["driving_crease"] = int(self.creases.edges[self.driving])
             out["driving_deg"] = float(np.degrees(self.path[-1, self.driving]))
         return out
 
     def sentence(self) -> str:
-        """Such as "folds rigidly, 1 degree of freedom, driven by crease 12 (90 degrees)"."""
+        """Such as "folds rigidly, 1 degree of freedom, crease 12 driven to 90 degrees"."""
         freedom = self.freedom
         ways = ""
         if freedom is not None:
             more = "" if freedom.exact else "at least "
             ways = ", " + more + counted(freedom.count, "degree", "degrees") + " of freedom"
+        missed = ""
+        if self.missed_rad is not None:
+            missed = f" (the nearest misses closure by {np.degrees(self.missed_rad):.1e} degrees)"
         driven = ""
         if len(self.path):
             edge, angle = self.creases.edges[self.driving], self.path[-1, self.driving]
@@ -152,14 +163,14 @@ class RigidMotion:
             case RigidVerdict.BENDS if freedom is not None and freedom.count:
                 return f"bends on its way: it moves with flat faces{ways}, but not from flat"
             case RigidVerdict.BENDS if freedom is not None:
-                return "bends on its way: with flat faces it is locked at its target"
+                return "bends on its way: with flat faces it is locked when folded"
             case RigidVerdict.BENDS:
-                return "bends on its way: no state with flat faces is found between"
+                return f"bends on its way: no state with flat faces is found between{missed}"
             case RigidVerdict.FLAT:
                 return "no crease folds"
             case RigidVerdict.UNSOUGHT:
                 return f"over {_MOST_CREASES:,} creases: no rigid motion was sought"
-        return "no folded state with flat faces is found"
+        return f"no folded state with flat faces is found{missed}"
 
 
 def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> RigidMotion:
@@ -177,21 +188,23 @@ def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> Rigi
     if not (creases.signs.any() or (target is not None and _folds(target))):
         return RigidMotion(RigidVerdict.FLAT, creases, nowhere, None)
     between = target
-    if target is None or _is_flat(target):
+    if target is None or _folded_flat(target):
         if len(creases.hinges) > _MOST_CREASES:
             return RigidMotion(RigidVerdict.UNSOUGHT, creases, nowhere, None)
-        between = beginning(creases)[0] if creases.signs.any() else None
-    if between is None:
-        verdict = RigidVerdict.NONE if target is None else RigidVerdict.BENDS
-        return RigidMotion(verdict, creases, nowhere, None)
+        between, nearest = beginning(creases) if creases.signs.any() else (None, None)
+        if between is None:
+            verdict = RigidVerdict.NONE
+            if target_form(creases.frame) is not None:
+                verdict = RigidVerdict.BENDS
+            missed = None if nearest is None else creases.gap(nearest)
+            return RigidMotion(verdict, creases, nowhere, None, missed)
+    assert between is not None
     freedom = freedom_of(creases.linearised(between)[1])
     down, reached = (nowhere, False)
     if freedom.count:
         down, reached = _followed(creases, between, np.zeros_like(between))
     if not reached:
-        known = target is not None
-        verdict = RigidVerdict.BENDS if known else RigidVerdict.NONE
-        return RigidMotion(verdict, creases, nowhere, freedom)
+        return RigidMotion(RigidVerdict.BENDS, creases, nowhere, freedom)
     path = down[::-1]
     if between is target:
         return RigidMotion(RigidVerdict.FOLDS, creases, path, freedom)
@@ -214,7 +227,9 @@ def _target(creases: RigidCreases) -> FloatArray | None:
         angles = angles + wrapped(measured - angles)
     elif form is None:
         return None
-    found = angles if creases.gap(angles) <= CLOSED_RAD / 10 else closed(creases, angles)
+    if _folded_flat(angles):
+        return angles  # where Newton's method would be slow
+    found = closed(creases, angles)
     near = bool(np.abs(found - angles).max(initial=0.0) <= NEARLY_FLAT_RAD)
     return found if near and creases.gap(found) <= CLOSED_RAD else None
 
@@ -223,10 +238,11 @@ def _folds(angles: FloatArray) -> bool:
     return bool((np.abs(angles) > np.radians(FLAT_ANGLE_DEG)).any())
 
 
-def _is_flat(angles: FloatArray) -> bool:
-    """Whether all faces are in one plane."""
+def _folded_flat(angles: FloatArray) -> bool:
+    """Whether all faces are in one plane, and some creases folded."""
     size = np.abs(angles)
-    return bool((np.minimum(size, np.abs(np.pi - size)) < _FOLDED_RAD).all())
+    flat = np.minimum(size, np.abs(np.pi - size)) < _FOLDED_RAD
+    return bool(flat.all() and (size > 1).any())
 
 
 def _followed(
@@ -242,7 +258,8 @@ def _followed(
         rest = target - stations[-1]
         left = float(np.abs(rest).max(initial=0.0))
         if left <= near:
-            reached = creases.gap(target) <= CLOSED_RAD
+            bound = _FLAT_CLOSED_RAD if _folded_flat(target) else CLOSED_RAD
+            reached = creases.gap(target) <= bound
             return np.stack([*stations, target] if reached and left else stations), reached
         # creases fold in proportion near the flat state, whichever way it is left
         ahead = direction(creases, stations[-1], rest)

@@ -9,6 +9,7 @@ from flat_patterns import pattern_of
 from helpers import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from relaxed_surfaces import bump
 from thick_sheets import SIDE_MM, book, creased, folded, in_pose, solid
 
 from fab import read_pattern
@@ -22,10 +23,11 @@ from fab.geometry.booleans import joined_mesh, manifolds
 from fab.panels.bevelled_panels import PanelSettings, make_panels
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
-from fab.pattern.crease_pattern import CreasePattern, crease_pattern
+from fab.pattern.crease_pattern import CreasePattern, crease_pattern, scaled
 from fab.pattern.development import develop
 from fab.printing.printability import bed_area_mm2
-from solver import Miura
+from solver import Miura, RigidMiura
+from solver.relaxation import Wishes, pleated_patch, relaxed_sheet
 
 
 def inspected(sheet, states, **options):
@@ -84,6 +86,26 @@ def test_a_sheet_keeps_its_promise_flat_folded_and_between(miura):
     bottoms = sheet.panels.bodies.volumes_mm3().sum() / 0.8
     area = bed_area_mm2(joined_mesh(sheet.joining))
     assert bottoms < area < np.prod(np.ptp(sheet.pattern.vertices_coords, axis=0))
+
+
+@pytest.mark.parametrize("name", ["marched", "relaxed"])
+def test_panels_of_sheets_that_fold_rigidly_do_not_jam(name):
+    """In the states of their motion, where rigid panels are exactly where the sheet is."""
+    if name == "marched":
+        mesh = RigidMiura(columns=6, rows=6).grow().mesh
+    else:
+        surface = bump(0.2)
+        fitted = pleated_patch(surface, 8, zigzag=1.5, spacing=1.2, thickness=1.2)
+        mesh = relaxed_sheet(surface, fitted, Wishes(rigid=True)).mesh
+    pattern = scaled(crease_pattern(mesh, develop(mesh), 1.0), width_mm=200.0)
+    states, found = folded_states(pattern)
+    assert found == []
+    assert len(states) == 10
+    assert max(state.bend_mm for state in states) <= 1e-9
+    sheet = solid(pattern, thickness_mm=0.8, gap_mm=0.8)
+    figures, findings = inspected(sheet, states)
+    assert codes(findings) == []
+    assert figures.clearance.overlap_max_mm3 <= 1e-9
 
 
 @given(

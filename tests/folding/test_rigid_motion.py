@@ -121,6 +121,25 @@ def test_a_sheet_beside_a_rigid_one_bends(rigid_sheets):
     assert len(motion.path) == 0
 
 
+def test_drawings_with_few_digits(rigid_sheets):
+    """A Miura sheet has room for rounded vertices; others are said to bend, by as little."""
+
+    def drawn(name):
+        """As a drawing has it: to a thousandth of a millimetre, letters and no angles."""
+        pattern = rigid_sheets[name]
+        signs = np.select([pattern.edges_assignment == k for k in "VM"], [180.0, -180.0])
+        rounded = pattern.vertices_coords.round(3)
+        return replace(pattern, vertices_coords=rounded, edges_foldAngle=signs, folded_coords=None)
+
+    motion = rigid_motion(drawn("miura"))
+    assert (motion.verdict, motion.freedom.count) == (RigidVerdict.FOLDS, 1)
+    assert np.abs(motion.path[-1]) == pytest.approx(np.pi)
+    other = rigid_motion(drawn("rigid_miura"))
+    assert other.verdict is RigidVerdict.BENDS
+    assert 0 < other.report()["missed_deg"] < 0.01
+    assert "misses closure by" in other.sentence()
+
+
 @pytest.mark.parametrize(
     ("name", "verdict", "freedom"),
     [
