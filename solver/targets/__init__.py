@@ -1,7 +1,7 @@
 """Target surfaces of `solver.fit_surface`: what a sheet follows, between two offsets of it.
 
 A `Target` gives points, unit normals, signed distances and a domain, all by places whose first two
-numbers are the parameters u and v in [-1, 1]. Five kinds are here; any class with the methods of
+numbers are the parameters u and v in [-1, 1]. Six kinds are here; any class with the methods of
 `Target` is one more.
 
 | surface | class or function | module |
@@ -10,6 +10,7 @@ numbers are the parameters u and v in [-1, 1]. Five kinds are here; any class wi
 | z = f(x, y) | `explicit_surface` | `parametric` |
 | g(x, y, z) = 0 within a `Frame` | `ImplicitSurface` | `implicit` |
 | triangle or quad mesh, from arrays or from an STL, OBJ or PLY file | `MeshSurface` | `mesh` |
+| `TriangleMesh` of any topology, followed as a smooth one | `MeshTarget` | `mesh_target` |
 | any of these with u and v turned | `TurnedTarget` | `parametric` |
 
 `ray_hit` (module `base`) finds where rays meet an offset of any of them.
@@ -19,14 +20,19 @@ from solver.targets.base import Target, ray_hit
 from solver.targets.frame import Frame
 from solver.targets.implicit import ImplicitSurface
 from solver.targets.mesh import MeshSurface
+from solver.targets.mesh_target import MeshTarget
 from solver.targets.parametric import ParametricSurface, TurnedTarget, explicit_surface
+from solver.targets.triangle_mesh import MeshKind, TriangleMesh
 
 __all__ = [
     "Frame",
     "ImplicitSurface",
+    "MeshKind",
     "MeshSurface",
+    "MeshTarget",
     "ParametricSurface",
     "Target",
+    "TriangleMesh",
     "TurnedTarget",
     "explicit_surface",
     "ray_hit",

@@ -15,7 +15,14 @@ from scipy.spatial import cKDTree
 from solver.errors import InvalidState, InvalidValue, require_count, require_length
 from solver.graphs import edge_keys, labels
 from solver.targets.frame import Frame, vector
-from solver.vectors import BoolArray, FloatArray, IntArray, angle_between, cross, dot, norm, unit
+from solver.targets.triangles import (
+    TriangleTree,
+    barycentric,
+    corner_angles,
+    least_heights,
+    triangle_edges,
+)
+from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["MeshSurface", "mesh_arrays"]
 
@@ -117,7 +124,7 @@ class MeshSurface:
         if half_widths is not None:
             frame = Frame(frame.origin, frame.axes, np.array([*half_widths, frame.half_widths[2]]))
         size = float(np.linalg.norm(np.ptp(coords, axis=0)))
-        own = triangles[_heights(coords, triangles) > _FLAT * size]
+        own = triangles[least_heights(coords, triangles) > _FLAT * size]
         bare = cls(coords, own, len(own), frame)
         if closed:
             return bare
@@ -134,7 +141,7 @@ class MeshSurface:
         query, triangle = self._seen.query(shapely.points(uv), predicate="intersects")
         flat = self.frame.coordinates(self.vertices_coords)[self.triangles[triangle]]
         plane = np.concatenate([flat[..., :2], np.zeros((len(flat), 3, 1))], axis=-1)
-        weights = _barycentric(plane, np.pad(uv[query], ((0, 0), (0, 1))))
+        weights = barycentric(plane, np.pad(uv[query], ((0, 0), (0, 1))))
         # triangles seen from their edges have none, but then their neighbours are hit too
         good = np.flatnonzero(np.isfinite(weights[:, 0]))
         query, triangle, weights, flat = (x[good] for x in (query, triangle, weights, flat))
@@ -172,11 +179,7 @@ class MeshSurface:
         """
         finite = np.logical_and.reduce(np.isfinite(points), axis=1)
         asked = np.where(finite[:, None], points, self.frame.origin)
-        squared, number, foot = self._tree.squared_distance(
-            self.vertices_coords, self.triangles, np.ascontiguousarray(asked)
-        )
-        number = np.asarray(number, np.int64).reshape(-1)
-        foot = np.asarray(foot).reshape(-1, 3)
+        away, number, foot = self._tree.nearest(asked)
         corners, weights = self._feet(number, foot)
         flat = self._normals[number]
         zero = weights < _ON_EDGE
@@ -190,7 +193,7 @@ class MeshSurface:
         inner = ~(edge | vertex)
         close = norm(off) <= _SAME * norm(self.frame.half_widths)
         gradient = np.where((inner | close)[:, None], flat, sign[:, None] * unit(off))
-        gap = np.where(inner, dot(off, flat), sign * np.sqrt(np.asarray(squared).reshape(-1)))
+        gap = np.where(inner, dot(off, flat), sign * away)
         places = np.column_stack([self.frame.coordinates(foot)[:, :2], foot, number])
         for out in (gap, gradient, places):
             out[~finite] = np.nan
@@ -205,15 +208,11 @@ class MeshSurface:
     def _feet(self, number: IntArray, foot: FloatArray) -> tuple[IntArray, FloatArray]:
         """Corners and barycentric coordinates of points in their triangles, each (n, 3)."""
         corners = self.triangles[number]
-        return corners, _barycentric(self.vertices_coords[corners], foot)
+        return corners, barycentric(self.vertices_coords[corners], foot)
 
     @cached_property
-    def _tree(self) -> Any:
-        import igl
-
-        tree = igl.AABB()
-        tree.init(self.vertices_coords, self.triangles)
-        return tree
+    def _tree(self) -> TriangleTree:
+        return TriangleTree.of(self.vertices_coords, self.triangles)
 
     @cached_property
     def _seen(self) -> Any:
@@ -231,9 +230,8 @@ class MeshSurface:
     @cached_property
     def _vertex_normals(self) -> FloatArray:
         """Sums of the faces' normals, weighted by their angles, unit, shape (n, 3)."""
-        p = self.vertices_coords[self.triangles]
-        after, before = np.roll(p, -1, axis=1) - p, np.roll(p, 1, axis=1) - p
-        weighted = angle_between(after, before)[..., None] * self._normals[:, None]
+        angles = corner_angles(self.vertices_coords, self.triangles)
+        weighted = angles[..., None] * self._normals[:, None]
         out = np.zeros_like(self.vertices_coords)
         np.add.at(out, self.triangles, weighted)
         out[~out.any(axis=1)] = self.frame.axes[2]  # vertices of no triangle with an area
@@ -242,7 +240,7 @@ class MeshSurface:
     @cached_property
     def _edge_normals(self) -> FloatArray:
         """Sum of the normals on both sides of the edge opposite each corner, shape (m, 3, 3)."""
-        edges, number = _edges(self.triangles, len(self.vertices_coords))
+        edges, number = triangle_edges(self.triangles, len(self.vertices_coords))
         total = np.zeros((len(edges), 3))
         np.add.at(total, number, self._normals[:, None])
         return total[np.roll(number, -1, axis=1)]
@@ -329,7 +327,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     _, first_use = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
     triangles = triangles[np.sort(first_use)]
     coords = coords[used][first]
-    if not (_heights(coords, triangles) > _FLAT * size).any():
+    if not (least_heights(coords, triangles) > _FLAT * size).any():
         cure = "All of its faces are lines or points."
         raise InvalidValue("area of the mesh", 0.0, "be greater than 0", cure)
     kept, numbers = np.unique(triangles, return_inverse=True)
@@ -339,7 +337,7 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
 def _oriented(triangles: IntArray) -> IntArray:
     """Triangles in one winding; refuses edges of three faces, one-sided meshes, several pieces."""
     count = int(triangles.max()) + 1
-    edges, number = _edges(triangles, count)
+    edges, number = triangle_edges(triangles, count)
     uses = np.bincount(number.ravel())
     if uses.max() > 2:
         edge = int(uses.argmax())
@@ -361,13 +359,6 @@ def _oriented(triangles: IntArray) -> IntArray:
             "mesh", "the mesh has one side only, like a Moebius strip", "Cut it open."
         )
     return turned
-
-
-def _edges(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]:
-    """Vertices of all edges (e, 2), rising, and numbers (m, 3): the edge after each corner."""
-    ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1)
-    keys, number = np.unique(edge_keys(ends, count), return_inverse=True)
-    return np.column_stack([keys // count, keys % count]), number.reshape(-1, 3)
 
 
 def _rim(triangles: IntArray, count: int) -> IntArray:
@@ -434,7 +425,7 @@ def _continued(bare: MeshSurface, rim: IntArray, width: float) -> tuple[FloatArr
         count += len(points)
     every = np.vstack([bare.vertices_coords, *added])
     triangles = np.vstack(extra)
-    return every, triangles[_heights(every, triangles) > _FLAT * width]
+    return every, triangles[least_heights(every, triangles) > _FLAT * width]
 
 
 def _skirt(bare: MeshSurface, flat: FloatArray, loop: IntArray, width: float) -> FloatArray:
@@ -466,21 +457,3 @@ def _turn(first: FloatArray, second: FloatArray) -> FloatArray:
     """Twice the signed areas of plane triangles (0, first, second), shape (n,)."""
     out: FloatArray = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     return out
-
-
-def _heights(coords: FloatArray, triangles: IntArray) -> FloatArray:
-    """The least height of each triangle, shape (m,)."""
-    p = coords[triangles]
-    longest = norm(p - np.roll(p, 1, axis=1)).max(axis=1)
-    out: FloatArray = norm(cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])) / longest
-    return out
-
-
-def _barycentric(corners: FloatArray, points: FloatArray) -> FloatArray:
-    """Weights (n, 3) of the corners (n, 3, 3) whose mean is a point; NaN without an area."""
-    a, b, c = (corners[:, i] for i in range(3))
-    normal = cross(b - a, c - a)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        second = dot(cross(points - a, c - a), normal) / dot(normal, normal)
-        third = dot(cross(b - a, points - a), normal) / dot(normal, normal)
-    return np.column_stack([1 - second - third, second, third])
