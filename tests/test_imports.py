@@ -13,6 +13,7 @@ WINGS = {
     "geometry": set(),
     "pattern": {"geometry"},
     "formats": {"geometry", "pattern"},
+    "surfaces": {"geometry", "pattern", "formats"},
     "layout": {"geometry", "pattern"},
     "drawings": {"geometry"},
     "sheets": {"geometry", "pattern", "layout", "drawings"},

@@ -10,7 +10,7 @@ numbers are the parameters u and v in [-1, 1]. Six kinds are here; any class wit
 | z = f(x, y) | `explicit_surface` | `parametric` |
 | g(x, y, z) = 0 within a `Frame` | `ImplicitSurface` | `implicit` |
 | triangle or quad mesh, from arrays or from an STL, OBJ or PLY file | `MeshSurface` | `mesh` |
-| `TriangleMesh` of any topology, followed as a smooth one | `MeshTarget` | `mesh_target` |
+| `SurfaceMesh` of any topology, followed as a smooth one | `MeshTarget` | `mesh_target` |
 | any of these with u and v turned | `TurnedTarget` | `parametric` |
 
 `ray_hit` (module `base`) finds where rays meet an offset of any of them.
@@ -22,7 +22,7 @@ from solver.targets.implicit import ImplicitSurface
 from solver.targets.mesh import MeshSurface
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.parametric import ParametricSurface, TurnedTarget, explicit_surface
-from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 
 __all__ = [
     "Frame",
@@ -31,8 +31,8 @@ __all__ = [
     "MeshSurface",
     "MeshTarget",
     "ParametricSurface",
+    "SurfaceMesh",
     "Target",
-    "TriangleMesh",
     "TurnedTarget",
     "explicit_surface",
     "ray_hit",

@@ -20,13 +20,14 @@ from solver.targets.triangles import (
     barycentric,
     corner_angles,
     least_heights,
+    quads_cut,
     triangle_edges,
 )
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["MeshSurface", "mesh_arrays"]
 
-_FORMATS = ("obj", "ply", "stl")
+_FORMATS = ("glb", "obj", "off", "ply", "stl")
 # Vertices closer than this are one, triangles flatter than this have no area, in sizes of the mesh.
 _SAME = 1e-9
 _FLAT = 1e-12
@@ -65,10 +66,11 @@ class MeshSurface:
     def read(
         cls, path: str | Path, *, up: ArrayLike | None = None, rows: ArrayLike | None = None
     ) -> MeshSurface:
-        """The mesh in an STL, OBJ or PLY file, read by trimesh; `up` and `rows` as in `from_faces`.
+        """The mesh in a GLB, OBJ, OFF, PLY or STL file, read by trimesh.
 
-        trimesh cuts every quad from its first to its third corner. Where a file holds nothing but
-        quads that is undone here, and the shorter diagonal taken.
+        `up` and `rows` are as in `from_faces`. trimesh cuts every quad from its first to its third
+        corner. Where a file holds nothing but quads that is undone here, and the shorter diagonal
+        taken.
         """
         mesh = mesh_arrays(path)
         return cls.from_faces(mesh["vertices_coords"], mesh["faces"], up=up, rows=rows)
@@ -267,16 +269,12 @@ def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, 
         raise InvalidValue("vertices_coords", coords[vertex].tolist(), "be finite", cure)
     triangles = numbers.astype(np.int64)
     if triangles.shape[1] == 4:
-        first, second = (
-            norm(coords[triangles[:, i]] - coords[triangles[:, i + 2]]) for i in (0, 1)
-        )
-        turned = np.where((second < first)[:, None], np.roll(triangles, -1, axis=1), triangles)
-        triangles = np.stack([turned[:, [0, 1, 2]], turned[:, [2, 3, 0]]], axis=1).reshape(-1, 3)
+        triangles = quads_cut(coords, triangles)
     return coords, triangles
 
 
 def mesh_arrays(path: str | Path) -> dict[str, Any]:
-    """Vertices and faces of an STL, OBJ or PLY file, as `MeshSurface.read` takes them.
+    """Vertices and faces of a GLB, OBJ, OFF, PLY or STL file, as `MeshSurface.read` takes them.
 
     Their names are "vertices_coords", shape (n, 3), and "faces", triangles or quads.
     """

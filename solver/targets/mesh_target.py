@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.errors import InvalidState, InvalidValue
 from solver.graphs import labels
-from solver.targets.triangle_mesh import TriangleMesh, corner_pairs
+from solver.targets.surface_mesh import SurfaceMesh, corner_pairs
 from solver.targets.triangles import TriangleTree, barycentric, corner_angles
 from solver.vectors import (
     BoolArray,
@@ -49,14 +49,14 @@ class MeshTarget:
         map of the surface has them; None: u and v are NaN, and there are no `places`.
 
     >>> corners = np.array([[0.0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]])
-    >>> target = MeshTarget(TriangleMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]])))
+    >>> target = MeshTarget(SurfaceMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]])))
     >>> points = np.array([[1.0, 2.0, 0.5], [7.0, 2.0, -0.5]])
     >>> distances, normals, places = target.distance(points, target.unknown(2))
     >>> distances.tolist(), target.on_rim(places).tolist(), target.point(places).tolist()
     ([0.5, -0.5], [False, True], [[1.0, 2.0, 0.0], [7.0, 2.0, 0.0]])
     """
 
-    mesh: TriangleMesh
+    mesh: SurfaceMesh
     corners_uv: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -250,7 +250,7 @@ class MeshTarget:
             vertex = mesh.faces_vertices
             sums = scattered(vertex.ravel(), weighted, len(mesh.vertices_coords))
             return unit(sums)[vertex]
-        pairs = corner_pairs(mesh.faces_vertices, mesh.faces_edges, mesh.edges_faces)
+        pairs = corner_pairs(mesh.faces_vertices, mesh.edges_halves[~mesh.rim_edges])
         across = np.tile(~mesh.wound[~mesh.rim_edges], 2).astype(np.int64)
         cover = [
             np.column_stack([2 * pairs[:, 0] + s, 2 * pairs[:, 1] + (s ^ across)]) for s in (0, 1)

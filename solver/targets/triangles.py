@@ -10,7 +10,14 @@ import numpy as np
 from solver.graphs import edge_keys
 from solver.vectors import FloatArray, IntArray, angle_between, cross, dot, norm
 
-__all__ = ["TriangleTree", "barycentric", "corner_angles", "least_heights", "triangle_edges"]
+__all__ = [
+    "TriangleTree",
+    "barycentric",
+    "corner_angles",
+    "least_heights",
+    "quads_cut",
+    "triangle_edges",
+]
 
 
 @dataclass(frozen=True)
@@ -56,6 +63,13 @@ def triangle_edges(triangles: IntArray, count: int) -> tuple[IntArray, IntArray]
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1)
     keys, number = np.unique(edge_keys(ends, count), return_inverse=True)
     return np.column_stack([keys // count, keys % count]), number.reshape(-1, 3)
+
+
+def quads_cut(coords: FloatArray, quads: IntArray) -> IntArray:
+    """Triangles (2 nq, 3) of quads (nq, 4), cut along their shorter diagonals."""
+    first, second = (norm(coords[quads[:, i]] - coords[quads[:, i + 2]]) for i in (0, 1))
+    turned = np.where((second < first)[:, None], np.roll(quads, -1, axis=1), quads)
+    return np.stack([turned[:, [0, 1, 2]], turned[:, [2, 3, 0]]], axis=1).reshape(-1, 3)
 
 
 def corner_angles(coords: FloatArray, triangles: IntArray) -> FloatArray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import triangle_meshes as made
+import surface_meshes as made
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st

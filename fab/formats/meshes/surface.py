@@ -14,12 +14,12 @@ from solver.targets.base import Target
 from solver.targets.mesh import MeshSurface
 from solver.targets.parametric import ParametricSurface
 
-__all__ = ["read_surface"]
+__all__ = ["LARGE_MESH_BYTES", "read_surface", "reading_bounds"]
 
 _MESHES = (".obj", ".ply", ".stl")
 _MODELS = (".step", ".stp")
 # Larger meshes are read in a process of their own.
-_LARGE_MESH_BYTES = 5_000_000
+LARGE_MESH_BYTES = 5_000_000
 
 
 def read_surface(
@@ -51,10 +51,10 @@ def read_surface(
         if face is not None:
             cure = "Faces are chosen in STEP files; a mesh is followed as a whole."
             raise InvalidValue("face", face, "be None for a mesh", cure)
-        if size <= _LARGE_MESH_BYTES:
+        if size <= LARGE_MESH_BYTES:
             return MeshSurface.read(file, up=up)
         task = "solver.targets.mesh:mesh_arrays"
-        mesh = in_own_process(task, file, {"path": str(file)}, _bounds(size))
+        mesh = in_own_process(task, file, {"path": str(file)}, reading_bounds(size))
         return MeshSurface.from_faces(mesh["vertices_coords"], mesh["faces"], up=up)
     if up is not None:
         cure = "The side of a face of a STEP file is the one on which its normals stand."
@@ -62,12 +62,14 @@ def read_surface(
     if face is not None and (isinstance(face, bool) or not isinstance(face, int)):
         raise InvalidValue("face", face, "be a whole number", "Faces are numbered from 0.")
     given = {"path": str(file), "face": face}
-    found = in_own_process("fab.formats.meshes.step_faces:step_face", file, given, _bounds(size))
+    found = in_own_process(
+        "fab.formats.meshes.step_faces:step_face", file, given, reading_bounds(size)
+    )
     spline = SplineFace.of(found)
     return ParametricSurface(spline.position, spline.derivatives, spline.within)
 
 
-def _bounds(size: int) -> Bounds:
+def reading_bounds(size: int) -> Bounds:
     """What the reading of a file of this many bytes may take; far more than sound files need."""
     megabytes = size / 1e6
     return Bounds(seconds=30 + 10 * megabytes, memory_mb=2000 + 100 * megabytes)

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import triangle_meshes as made
+import surface_meshes as made
 import trimesh
 
 from solver.errors import InvalidState, InvalidValue
-from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 
 
 def ball():
@@ -33,7 +33,7 @@ def holed_torus():
     ],
 )
 def test_kinds(arrays, kind, loops, genus, orientable):
-    mesh = TriangleMesh.of(*arrays)
+    mesh = SurfaceMesh.of(*arrays)
     assert mesh.kind is kind
     assert len(mesh.boundary_loops) == loops
     assert mesh.genus == genus
@@ -86,7 +86,7 @@ SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 2, 1], [3, 
 def test_what_is_no_surface_is_refused(faces, says):
     coords, numbers = made.packed(SQUARE, np.array(faces))
     with pytest.raises(InvalidState, match=says):
-        TriangleMesh.of(coords, numbers)
+        SurfaceMesh.of(coords, numbers)
 
 
 def test_cones_that_touch_at_their_tips_are_refused():
@@ -96,26 +96,26 @@ def test_cones_that_touch_at_their_tips_are_refused():
     down = [[0, 7 + k, 7 + (k + 1) % 6] for k in range(6)]
     join = [[1, 2, 7]]
     with pytest.raises(InvalidState):
-        TriangleMesh.of(coords, np.array(up + down + join))
+        SurfaceMesh.of(coords, np.array(up + down + join))
     coords, faces = made.packed(coords, np.array(up))
-    assert TriangleMesh.of(coords, faces).kind is MeshKind.DISC
+    assert SurfaceMesh.of(coords, faces).kind is MeshKind.DISC
 
 
 def test_wrong_arrays_are_refused():
     with pytest.raises(InvalidValue, match="faces_vertices"):
-        TriangleMesh.of(SQUARE, np.array([[0, 1, 2, 3]]))
+        SurfaceMesh.of(SQUARE, np.array([[0, 1, 2, 3]]))
     with pytest.raises(InvalidValue, match="from 0 to 5"):
-        TriangleMesh.of(SQUARE, np.array([[0, 1, 6]]))
+        SurfaceMesh.of(SQUARE, np.array([[0, 1, 6]]))
     with pytest.raises(InvalidState, match="NaN"):
-        TriangleMesh.of(SQUARE * np.nan, np.array([[0, 1, 2]]))
+        SurfaceMesh.of(SQUARE * np.nan, np.array([[0, 1, 2]]))
     with pytest.raises(InvalidState, match="vertex 3 belongs to no face"):
-        TriangleMesh.of(SQUARE, np.array([[0, 1, 2]]))
+        SurfaceMesh.of(SQUARE, np.array([[0, 1, 2]]))
 
 
 def test_what_it_is_made_from_is_not_changed():
     coords, faces = made.vase()
     before = coords.copy(), faces.copy()
-    mesh = TriangleMesh.of(coords, faces)
+    mesh = SurfaceMesh.of(coords, faces)
     coords[0] = 7.0
     assert np.array_equal(mesh.vertices_coords, before[0])
     with pytest.raises(ValueError, match="read-only"):

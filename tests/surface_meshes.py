@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from solver.targets.triangle_mesh import TriangleMesh
+from solver.targets.surface_mesh import SurfaceMesh
 
 
 def grid(f, nu=24, nv=24, *, u=(-1, 1), v=(-1, 1), around=(False, False), twisted=False):
@@ -96,4 +96,4 @@ def packed(coords, faces):
 
 
 def mesh_of(arrays):
-    return TriangleMesh.of(*arrays)
+    return SurfaceMesh.of(*arrays)

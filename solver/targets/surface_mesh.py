@@ -18,7 +18,7 @@ from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm, points
 
 __all__ = [
     "MeshKind",
-    "TriangleMesh",
+    "SurfaceMesh",
     "corner_labels",
     "corner_pairs",
     "side_labels",
@@ -38,7 +38,7 @@ class MeshKind(StrEnum):
 
 
 @dataclass(frozen=True)
-class TriangleMesh:
+class SurfaceMesh:
     """A connected surface of triangles, each edge with one or two of them; `of` checks it.
 
     Attributes
@@ -48,7 +48,7 @@ class TriangleMesh:
         differ along a seam.
 
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    >>> mesh = TriangleMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    >>> mesh = SurfaceMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]]))
     >>> mesh.kind, mesh.boundary_loops[0].tolist(), mesh.area
     (<MeshKind.DISC: 'disc'>, [0, 1, 2, 3], 1.0)
     """
@@ -61,7 +61,7 @@ class TriangleMesh:
             array.flags.writeable = False
 
     @classmethod
-    def of(cls, vertices_coords: FloatArray, faces_vertices: IntArray) -> TriangleMesh:
+    def of(cls, vertices_coords: FloatArray, faces_vertices: IntArray) -> SurfaceMesh:
         """The mesh of these arrays, which are copied; numbers of vertices and faces stay.
 
         Raises `InvalidValue` for other shapes and `InvalidState` for what is no connected surface
@@ -96,7 +96,7 @@ class TriangleMesh:
             raise InvalidState("mesh", f"edge {ends} has {int(uses.max())} faces", cure)
         if labels(self.edges_faces[self.edges_faces[:, 1] >= 0], len(faces)).max() > 0:
             raise InvalidState("mesh", "the mesh has several pieces", cure)
-        group = corner_labels(faces, self.faces_edges, self.edges_faces)
+        group = corner_labels(faces, self.edges_halves[~self.rim_edges])
         if group.max() >= count:
             _, first = np.unique(group, return_index=True)
             vertices = np.bincount(faces.ravel()[first], minlength=count)
@@ -120,16 +120,21 @@ class TriangleMesh:
         return self._edges[1]
 
     @cached_property
-    def edges_faces(self) -> IntArray:
-        """The one or two faces of each edge, -1 for none, shape (ne, 2)."""
+    def edges_halves(self) -> IntArray:
+        """The half-edges of each edge, -1 for none, shape (ne, 2): 3 face + corner it begins at."""
         half = np.argsort(self.faces_edges.ravel(), kind="stable")
         edge = self.faces_edges.ravel()[half]
         first = np.ones(len(edge), bool)
         first[1:] = edge[1:] != edge[:-1]
         out = np.full((len(self.edges_vertices), 2), -1)
-        out[edge[first], 0] = half[first] // 3
-        out[edge[~first], 1] = half[~first] // 3
+        out[edge[first], 0] = half[first]
+        out[edge[~first], 1] = half[~first]
         return out
+
+    @property
+    def edges_faces(self) -> IntArray:
+        """The one or two faces of each edge, -1 for none, shape (ne, 2)."""
+        return self.edges_halves // 3
 
     @cached_property
     def wound(self) -> BoolArray:
@@ -229,16 +234,13 @@ class TriangleMesh:
         return float(norm(np.ptp(self.vertices_coords, axis=0)))
 
 
-def corner_pairs(triangles: IntArray, faces_edges: IntArray, edges_faces: IntArray) -> IntArray:
+def corner_pairs(triangles: IntArray, halves: IntArray) -> IntArray:
     """Corners that faces share along edges of two faces, shape (2 n, 2), of 3 nf corners.
 
-    The pairs at one end of each of the n edges come first, those at the other end follow.
+    halves : half-edges of each of n edges, numbered as the corners where they begin, shape (n, 2).
+    The pairs at one end of each edge come first, those at the other end follow.
     """
-    inner = np.flatnonzero(edges_faces[:, 1] >= 0)
-    first, second = (
-        3 * beside + np.argmax(faces_edges[beside] == inner[:, None], axis=1)
-        for beside in edges_faces[inner].T
-    )
+    first, second = halves.T
     flat = triangles.ravel()
     after, beyond = (corner - corner % 3 + (corner + 1) % 3 for corner in (first, second))
     same = flat[first] == flat[second]
@@ -247,12 +249,13 @@ def corner_pairs(triangles: IntArray, faces_edges: IntArray, edges_faces: IntArr
     return np.concatenate([here, there])
 
 
-def corner_labels(triangles: IntArray, faces_edges: IntArray, edges_faces: IntArray) -> IntArray:
-    """Labels (3 nf,) of the corners of all faces: alike where faces meet along edges of two.
+def corner_labels(triangles: IntArray, halves: IntArray) -> IntArray:
+    """Labels (3 nf,) of the corners of all faces: alike where faces meet along edges.
 
-    Where vertices are numbered by them, faces that touch at a vertex alone come apart.
+    halves : as for `corner_pairs`. Where vertices are numbered by the labels, faces come apart
+    that touch at a vertex alone, or along an edge that is not among those given.
     """
-    return labels(corner_pairs(triangles, faces_edges, edges_faces), triangles.size)
+    return labels(corner_pairs(triangles, halves), triangles.size)
 
 
 def side_labels(neighbours: IntArray, agree: BoolArray, count: int) -> IntArray:

@@ -1,0 +1,1 @@
+"""Surfaces that designs follow: from files to clean triangle meshes, every repair a finding."""
