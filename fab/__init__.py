@@ -19,6 +19,7 @@ geometry : rings, planar graphs, triangulations and closed solids as arrays.
 pattern : the crease pattern in millimetres: development, kinematics, self-intersection.
 formats : files of other programs: patterns in SVG, DXF, CP, OPX, ORI, ORH, FOLD and OBJ are read,
     in SVG, DXF, CP, FOLD and OBJ written; surfaces in STL, OBJ, PLY and STEP are read.
+surfaces : files to clean triangle meshes that designs follow.
 layout : faces divided into pieces, and pieces placed on beds.
 drawings : cut paths by operation, written as DXF, SVG and PDF.
 sheets : a pattern as laser-cut sheets.

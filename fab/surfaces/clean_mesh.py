@@ -45,6 +45,7 @@ def clean_mesh(soup: Soup) -> CleanMesh:
     edges over 1/32 of the size divided. All bounds are relative to the size of the mesh. Raises
     `InvalidFile`, without the file's name, where no surface is left.
 
+    >>> import numpy as np
     >>> corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]])
     >>> clean = clean_mesh((corners, np.array([[0, 1, 2], [3, 5, 4]])))
     >>> clean.mesh.kind, [finding.code for finding in clean.findings]

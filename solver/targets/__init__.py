@@ -13,6 +13,9 @@ numbers are the parameters u and v in [-1, 1]. Six kinds are here; any class wit
 | `SurfaceMesh` of any topology, followed as a smooth one | `MeshTarget` | `mesh_target` |
 | any of these with u and v turned | `TurnedTarget` | `parametric` |
 
+A `SurfaceMesh` has known topology (`MeshKind`); `smoothed`, `noise_level` and `smoothing_length`
+(module `smoothing`), `decimated` and `refined` make others of it.
+
 `ray_hit` (module `base`) finds where rays meet an offset of any of them.
 """
 

@@ -424,7 +424,7 @@ def test_places_beyond_the_skirt_are_no_numbers():
 @pytest.mark.parametrize(
     ("name", "content", "match"),
     [
-        ("mesh.gltf", b"{}", "end in .obj, .ply, .stl"),
+        ("mesh.gltf", b"{}", "end in .glb, .obj, .off, .ply, .stl"),
         ("mesh.stl", None, "name a file"),
         ("mesh.stl", b"", "readable|at least one face"),
         ("mesh.stl", b"solid nonsense\nfacet\n", "readable|at least one face"),
