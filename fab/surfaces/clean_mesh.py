@@ -58,10 +58,9 @@ def clean_mesh(soup: Soup) -> CleanMesh:
         findings += more
     mesh, more = largest_surface(soup)
     findings += more
-    findings += inspect_crossings(mesh)
-    mesh, more = _few_enough(mesh)
-    findings += more
-    mesh, more = filled(mesh)
+    few, more = _few_enough(mesh)
+    findings += inspect_crossings(mesh, few) + more
+    mesh, more = filled(few)
     findings += more
     return CleanMesh(refined(mesh, _LONGEST * mesh.size, MOST_TRIANGLES), tuple(findings))
 

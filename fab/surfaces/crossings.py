@@ -7,27 +7,50 @@ import numpy as np
 from fab.errors import Finding, Severity, counted
 from fab.pattern.self_intersection import crossing_faces
 from fab.surfaces.soup import place_text
+from solver.errors import InvalidState
+from solver.targets.smoothing import edge_length, smoothed
 from solver.targets.surface_mesh import SurfaceMesh
+from solver.vectors import IntArray
 
 __all__ = ["inspect_crossings"]
 
 # Larger meshes are not looked at.
 _MOST_FACES = 2_000_000
+_NOISE_EDGES = 8.0
 
 
-def inspect_crossings(mesh: SurfaceMesh) -> list[Finding]:
-    """A warning where a mesh of up to two million triangles passes through itself."""
+def inspect_crossings(mesh: SurfaceMesh, few: SurfaceMesh) -> list[Finding]:
+    """A warning where a mesh of up to two million triangles passes through itself.
+
+    few : the same surface of fewer triangles. Where it crosses itself no more once it is smoothed
+    by 8 of its edges, the crossings are those of neighbours that noise has moved: a note.
+    """
     faces = mesh.faces_vertices
     if len(faces) > _MOST_FACES:
         text = f"{len(faces)} triangles are too many to see whether the surface crosses itself."
         return [Finding("mesh-crossings-unknown", Severity.NOTE, text)]
-    offsets = 3 * np.arange(len(faces) + 1)
-    pairs = crossing_faces(mesh.vertices_coords, faces.ravel(), offsets)
+    pairs = _crossings(mesh)
     if not len(pairs):
         return []
     where = place_text(mesh.vertices_coords[faces[pairs[0]]].mean(axis=(0, 1)))
+    try:
+        smooth = smoothed(few, _NOISE_EDGES * edge_length(few)).mesh
+    except InvalidState:  # it collapses
+        smooth = few
+    if not len(_crossings(smooth)):
+        text = (
+            f"{counted(len(pairs), 'pair')} of neighbouring triangles cross, the first at {where}: "
+            "noise, which smoothing takes away."
+        )
+        return [Finding("mesh-neighbours-cross", Severity.NOTE, text)]
     text = (
         f"The surface passes through itself: {counted(len(pairs), 'pair')} of triangles cross, the "
         f"first at {where}. A sheet that follows it does so too: cut the surface apart there."
     )
     return [Finding("mesh-crosses-itself", Severity.WARNING, text)]
+
+
+def _crossings(mesh: SurfaceMesh) -> IntArray:
+    """Pairs of triangles that cross, shape (n, 2)."""
+    offsets = 3 * np.arange(len(mesh.faces_vertices) + 1)
+    return crossing_faces(mesh.vertices_coords, mesh.faces_vertices.ravel(), offsets)

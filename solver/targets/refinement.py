@@ -6,27 +6,18 @@ import numpy as np
 
 from solver.errors import require_count, require_positive
 from solver.targets.surface_mesh import SurfaceMesh
-from solver.vectors import BoolArray, FloatArray, IntArray, norm
+from solver.vectors import FloatArray, IntArray, norm
 
 __all__ = ["refined"]
 
-# Triangles for a face with 0 to 3 halved edges; 3, 4, 5 are the middles of the edges after 0, 1, 2.
-_PARTS = (
-    ((0, 1, 2),),
-    ((0, 3, 2), (3, 1, 2)),
-    ((3, 1, 4), (0, 3, 4), (0, 4, 2)),
-    ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
-)
-_MOST_PASSES = 40
-
 
 def refined(mesh: SurfaceMesh, longest: float, most: int) -> SurfaceMesh:
-    """The same surface with edges of hardly more than `longest`, and up to `most` triangles.
+    """The same surface with edges of hardly more than `longest`, and at most `most` triangles.
 
-    Faces with three longer edges are cut into four; longer edges of those that are left, needles,
-    are divided evenly and joined across. What would make more than `most` triangles is not begun.
-    CAD programs write a cylinder as strips as long as it is, with all vertices on its rims: maps
-    need some in between.
+    Longer edges are divided evenly, into a power of two. A face with an undivided edge, a needle,
+    is cut across; others are cut in four at the middles of their edges, and so on. Where that makes
+    too many triangles `longest` is doubled until it does not. CAD programs write a cylinder as
+    strips as long as it is, with all vertices on its rims: maps need some in between.
 
     >>> corners = np.array([[0.0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0]])
     >>> strip = SurfaceMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]]))
@@ -36,78 +27,103 @@ def refined(mesh: SurfaceMesh, longest: float, most: int) -> SurfaceMesh:
     """
     require_positive("longest", longest)
     require_count("most", most, 1, "Allow at least the triangles of the mesh.")
-    for _ in range(_MOST_PASSES):
-        lengths = _lengths(mesh)
-        wide = lengths[mesh.faces_edges].min(axis=1) > longest
-        halved = np.zeros(len(lengths), bool)
-        halved[mesh.faces_edges[wide]] = True
-        added = int(halved[mesh.faces_edges].sum())
-        if not added or len(mesh.faces_vertices) + added > most:
-            break
-        mesh = _halved(mesh, halved)
-    parts = np.ceil(_lengths(mesh) / longest)
-    if wide.any() or len(mesh.faces_vertices) + (parts - 1)[mesh.faces_edges].sum() > most:
-        return mesh
-    return _divided(mesh, parts.astype(np.int64))
-
-
-def _lengths(mesh: SurfaceMesh) -> FloatArray:
     ends = mesh.vertices_coords[mesh.edges_vertices]
-    return norm(ends[:, 1] - ends[:, 0])
+    lengths = norm(ends[:, 1] - ends[:, 0])
+    while True:
+        parts = _parts(lengths, longest)
+        if parts.max() == 1:
+            return mesh
+        around = np.sort(parts[mesh.faces_edges], axis=1)
+        if (around[:, 0] * (around[:, 1] + around[:, 2] - 1)).sum() <= most:
+            return _divided(mesh, parts, longest)
+        longest *= 2
 
 
-def _halved(mesh: SurfaceMesh, halved: BoolArray) -> SurfaceMesh:
-    """The mesh with a vertex in the middle of each edge that is `halved`, shape (ne,).
+def _parts(lengths: FloatArray, longest: float) -> IntArray:
+    """Powers of two into which edges are divided so as not to be longer."""
+    with np.errstate(divide="ignore"):
+        exponents = np.ceil(np.log2(lengths / longest) - 1e-9)
+    return 2 ** np.maximum(exponents, 0).astype(np.int64)
 
-    Faces are turned so that of three edges the first, the first two, or all are.
+
+def _divided(mesh: SurfaceMesh, parts: IntArray, longest: float) -> SurfaceMesh:
+    """The mesh with each edge in as many equal `parts`, shape (ne,)."""
+    points = _Points(mesh.vertices_coords, longest)
+    chains = {}
+    for edge in np.flatnonzero(parts > 1).tolist():
+        first, last = mesh.edges_vertices[edge].tolist()
+        chains[edge] = points.between(first, last, int(parts[edge]))
+    whole = (parts[mesh.faces_edges] == 1).all(axis=1)
+    faces: list[tuple[int, int, int]] = []
+    for face in np.flatnonzero(~whole).tolist():
+        corners = mesh.faces_vertices[face].tolist()
+        sides = []
+        for corner, after, edge in zip(
+            corners, corners[1:] + corners[:1], mesh.faces_edges[face].tolist(), strict=True
+        ):
+            chain = chains.get(edge) or [*mesh.edges_vertices[edge].tolist()]
+            sides.append(chain if chain[0] == corner and chain[-1] == after else chain[::-1])
+        faces += _filled(sides, points)
+    added = np.array(faces, np.int64).reshape(-1, 3)
+    return SurfaceMesh(
+        np.concatenate([mesh.vertices_coords, np.reshape(points.added, (-1, 3))]),
+        np.concatenate([mesh.faces_vertices[whole], added]),
+    )
+
+
+class _Points:
+    """Points of a mesh, and those added between them."""
+
+    def __init__(self, coords: FloatArray, longest: float) -> None:
+        self.coords = coords
+        self.longest = longest
+        self.added: list[FloatArray] = []
+
+    def at(self, vertex: int) -> FloatArray:
+        count = len(self.coords)
+        point: FloatArray = self.coords[vertex] if vertex < count else self.added[vertex - count]
+        return point
+
+    def between(self, first: int, last: int, parts: int = 0) -> list[int]:
+        """The chain of vertices from the first to the last, in `parts`; 0: as long as may be."""
+        start, end = self.at(first), self.at(last)
+        parts = parts or int(_parts(norm(end - start)[None], self.longest)[0])
+        number = len(self.coords) + len(self.added)
+        self.added += [start + (end - start) * (k / parts) for k in range(1, parts)]
+        return [first, *range(number, number + parts - 1), last]
+
+
+def _filled(sides: list[list[int]], points: _Points) -> list[tuple[int, int, int]]:
+    """Triangles of a face, whose sides are chains of vertices, each ending where the next begins.
+
+    points : gets those that are added within.
     """
-    cuts = halved[mesh.faces_edges]
-    middle = np.full(len(halved), -1)
-    middle[halved] = len(mesh.vertices_coords) + np.arange(int(halved.sum()))
-    coords = mesh.vertices_coords[mesh.edges_vertices[halved]].mean(axis=1)
-    count = cuts.sum(axis=1)
-    first = np.where(count == 1, cuts.argmax(axis=1), (cuts.argmin(axis=1) + 1) % 3)
-    turn = (first[:, None] + np.arange(3)) % 3
-    corners = np.take_along_axis(mesh.faces_vertices, turn, axis=1)
-    points = middle[np.take_along_axis(mesh.faces_edges, turn, axis=1)]
-    names = np.column_stack([corners, points])
-    faces = [names[count == n][:, part] for n, parts in enumerate(_PARTS) for part in parts]
-    return SurfaceMesh(np.concatenate([mesh.vertices_coords, coords]), np.concatenate(faces))
+    counts = [len(side) - 1 for side in sides]
+    if min(counts) == 1:
+        base = counts.index(1)
+        right, left = sides[(base + 1) % 3], sides[(base + 2) % 3]
+        return _joined(left[::-1], right)
+    middles = [side[len(side) // 2] for side in sides]
+    inner = [points.between(middles[k], middles[(k + 1) % 3]) for k in range(3)]
+    out = _filled(inner, points)
+    for k in range(3):
+        begin = sides[k][: counts[k] // 2 + 1]
+        end = sides[k - 1][counts[k - 1] // 2 :]
+        out += _filled([begin, inner[k - 1][::-1], end], points)
+    return out
 
 
-def _divided(mesh: SurfaceMesh, parts: IntArray) -> SurfaceMesh:
-    """The mesh with each edge in as many equal `parts`, shape (ne,); each face has one of 1."""
-    begin = len(mesh.vertices_coords) + np.concatenate([[0], np.cumsum(parts - 1)])
-    share = np.arange(begin[-1] - begin[0]) - np.repeat(begin[:-1] - begin[0], parts - 1) + 1.0
-    share /= np.repeat(parts, parts - 1)
-    start, end = (np.repeat(mesh.edges_vertices[:, k], parts - 1) for k in (0, 1))
-    coords = mesh.vertices_coords[start] * (1 - share)[:, None]
-    coords += mesh.vertices_coords[end] * share[:, None]
-    kept = (parts[mesh.faces_edges] == 1).all(axis=1)
-    cut = np.flatnonzero(~kept)
-    base = parts[mesh.faces_edges[cut]].argmin(axis=1)
-    faces = [mesh.faces_vertices[kept]]
-    for face, at in zip(cut.tolist(), base.tolist(), strict=True):
-        corners = np.roll(mesh.faces_vertices[face], -at).tolist()
-        edges = np.roll(mesh.faces_edges[face], -at).tolist()
-        chains = []
-        for corner, edge in ((corners[0], edges[2]), (corners[1], edges[1])):
-            inner = list(range(begin[edge], begin[edge + 1]))
-            rising = mesh.edges_vertices[edge, 0] == corner
-            chains.append([corner, *(inner if rising else inner[::-1]), corners[2]])
-        faces.append(_joined(*chains))
-    return SurfaceMesh(np.concatenate([mesh.vertices_coords, coords]), np.concatenate(faces))
-
-
-def _joined(left: list[int], right: list[int]) -> IntArray:
+def _joined(left: list[int], right: list[int]) -> list[tuple[int, int, int]]:
     """Triangles between two chains of vertices from the base of a needle to its tip."""
     out = []
     i, j = 0, 0
     while i < len(left) - 1 or j < len(right) - 1:
         if j + 1 < len(right) and (j + 1) * (len(left) - 1) <= (i + 1) * (len(right) - 1):
-            out.append((left[i], right[j], right[j + 1]))
+            face = (left[i], right[j], right[j + 1])
             j += 1
         else:
-            out.append((left[i], right[j], left[i + 1]))
+            face = (left[i], right[j], left[i + 1])
             i += 1
-    return np.array([face for face in out if len(set(face)) == 3], np.int64).reshape(-1, 3)
+        if len(set(face)) == 3:  # the two chains end in one vertex
+            out.append(face)
+    return out

@@ -24,7 +24,7 @@ from solver.targets.surface_mesh import SurfaceMesh
 from solver.targets.triangles import TriangleTree, least_heights
 from solver.vectors import BoolArray, FloatArray, IntArray, dot, scattered, unit
 
-__all__ = ["Smoothed", "noise_level", "smoothed", "smoothing_length"]
+__all__ = ["Smoothed", "edge_length", "noise_level", "smoothed", "smoothing_length"]
 
 # Half of a wave of one length is left: 1 - (1 - 1 / (1 + (k s)^4))^2 = 1/2, k = 2 pi / length.
 _SCALE = (1 + np.sqrt(2)) ** 0.25 / (2 * np.pi)
@@ -78,7 +78,7 @@ def noise_level(mesh: SurfaceMesh) -> float:
     What smoothing by 8 edges takes away; creases and corners of the surface do not count, as it is
     found by the median. On a smooth surface it is a small part of the height of its facets.
     """
-    coords = _low_pass(mesh, _NOISE_EDGES * _edge(mesh))
+    coords = _low_pass(mesh, _NOISE_EDGES * edge_length(mesh))
     normals = unit(_vertex_sums(mesh, coords))
     across = np.abs(dot(mesh.vertices_coords - coords, normals))
     return _MEDIAN * float(np.median(across[np.isfinite(across)]))
@@ -92,13 +92,13 @@ def smoothing_length(mesh: SurfaceMesh, cell: float) -> float:
     but no smoothing by more than 4 cells. Where 4 edges would do, there is no noise to speak of.
     """
     require_positive("cell", cell)
-    edge = _edge(mesh)
+    edge = edge_length(mesh)
     noise = noise_level(mesh) * edge
     length = max(np.sqrt(np.pi) * noise / (_LEFT * cell), np.sqrt(7.9 * noise / _LEFT_SLOPE))
     return 0.0 if length < _LEAST_EDGES * edge else float(min(length, _MOST_CELLS * cell))
 
 
-def _edge(mesh: SurfaceMesh) -> float:
+def edge_length(mesh: SurfaceMesh) -> float:
     """The length of edges, by the area that a vertex has on an even mesh."""
     return float(np.sqrt(mesh.area / len(mesh.vertices_coords) * 2 / np.sqrt(3)))
 
@@ -120,7 +120,7 @@ def _low_pass(mesh: SurfaceMesh, length: float) -> FloatArray:
     middle = mesh.vertices_coords.mean(axis=0)
     coords = (mesh.vertices_coords - middle) / mesh.size
     scale = _SCALE * length / mesh.size
-    metric = _averaged(mesh, coords, (_SCALE * length / _edge(mesh)) ** 2)
+    metric = _averaged(mesh, coords, (_SCALE * length / edge_length(mesh)) ** 2)
     for _ in range(_PASSES):
         energy = csc_array(igl.curved_hessian_energy(metric, mesh.faces_vertices))
         kind = igl.MASSMATRIX_TYPE_BARYCENTRIC

@@ -12,7 +12,7 @@ from fab.surfaces.clean_mesh import MOST_TRIANGLES, clean_mesh
 from fab.surfaces.soup import with_area
 from solver.targets.decimation import decimated
 from solver.targets.refinement import refined
-from solver.targets.surface_mesh import MeshKind
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.targets.triangles import TriangleTree, least_heights
 
 seeds = st.integers(0, 2**32 - 1)
@@ -303,3 +303,49 @@ def test_strips_as_long_as_a_cylinder_get_vertices_in_between():
     assert fine.kind is MeshKind.RING
     assert len(fine.faces_vertices) < 2 * 80 * 64
     assert len(np.unique(fine.vertices_coords[:, 2].round(9))) > 20
+
+
+@settings(max_examples=60)
+@given(seed=seeds)
+def test_any_soup_gives_a_surface_or_a_refusal(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 12))
+    coords = np.round(rng.normal(size=(count, 3)) * rng.integers(1, 3, 3), int(rng.integers(0, 3)))
+    faces = rng.integers(0, count, (int(rng.integers(1, 60)), 3))
+    try:
+        clean = clean_mesh((coords, faces))
+    except InvalidFile:
+        return
+    mesh = clean.mesh
+    SurfaceMesh.of(mesh.vertices_coords, mesh.faces_vertices)
+    assert least_heights(mesh.vertices_coords, mesh.faces_vertices).min() > 0
+    a, b, c = (coords[faces[:, k]] for k in range(3))
+    whole = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    assert "mesh-holes-filled" in codes(clean) or mesh.area <= whole * (1 + 1e-9)
+    assert mesh.kind is not MeshKind.SPHERE or volume(mesh) > -1e-12
+
+
+def test_noise_that_turns_triangles_over_is_distinguished_from_crossings():
+    coords, faces = made.grid(lambda u, v: (u, v, 0.3 * u * v), 50, 50)
+    noisy = coords + 0.03 * np.random.default_rng(0).normal(size=coords.shape)
+    assert codes(clean_mesh((noisy, faces))) == ["mesh-neighbours-cross"]
+
+
+def test_wide_faces_beside_needles_do_not_multiply():
+    """A box with a rounded rim, as CAD programs have it."""
+    angle = np.linspace(0, np.pi / 2, 20)
+    rim = np.concatenate([[[-10, 0.1]], np.column_stack([np.sin(angle), np.cos(angle)]) * 0.1])
+    coords = np.array([[x, y, z] for x, z in rim for y in (-10.0, 10.0)])
+    n = len(rim)
+    faces = np.array(
+        [
+            f
+            for k in range(n - 1)
+            for f in ((2 * k, 2 * k + 1, 2 * k + 3), (2 * k, 2 * k + 3, 2 * k + 2))
+        ]
+    )
+    fine = clean_mesh((coords, faces)).mesh
+    ends = fine.vertices_coords[fine.edges_vertices]
+    assert np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).max() < 1.5 * fine.size / 32
+    needles, wide = 38 * 2 * 32, 2 * 32**2
+    assert len(fine.faces_vertices) < needles + wide
