@@ -24,6 +24,7 @@ _SAME = 1e-6
 _FLAT = 1e-7
 # Neighbours are split in turn where flat triangles lie side by side; what is left is dropped.
 _MOST_ROUNDS = 50
+_NO_AREA = "none of its triangles has an area. Export it again."
 
 
 def place_text(point: FloatArray) -> str:
@@ -72,7 +73,8 @@ def _size(coords: FloatArray) -> float:
 def merged(soup: Soup) -> tuple[Soup, list[Finding]]:
     """Vertices within 1e-6 of the size made one; faces that then name a vertex twice are dropped.
 
-    Vertices at the very same place are merged without a word: STL files have nothing else.
+    Vertices at the very same place are merged without a word: STL files have nothing else. Raises
+    `InvalidFile` where no face is left.
     """
     coords, faces = soup
     _, first, number = np.unique(coords, axis=0, return_index=True, return_inverse=True)
@@ -97,6 +99,8 @@ def merged(soup: Soup) -> tuple[Soup, list[Finding]]:
         findings.append(Finding("mesh-vertices-merged", Severity.NOTE, text))
         coords, faces = coords[kept], group[faces]
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+    if not len(faces):
+        raise InvalidFile(_NO_AREA)
     return packed((coords, faces)), findings
 
 
@@ -137,7 +141,7 @@ def with_area(soup: Soup) -> tuple[Soup, list[Finding]]:
     count += int(flat.sum())
     faces = faces[~flat]
     if not len(faces):
-        raise InvalidFile("none of its triangles has an area. Export it again.")
+        raise InvalidFile(_NO_AREA)
     if not count:
         return soup, []
     text = (
