@@ -41,7 +41,7 @@ def clean_mesh(soup: Soup) -> CleanMesh:
 
     In turn: vertices merged, flat and repeated triangles left out, branches and touching parts
     taken apart, the largest piece kept, windings made one, closed surfaces turned outwards,
-    self-crossings reported, meshes of more than 100 000 triangles decimated, small holes filled,
+    meshes of more than 100 000 triangles decimated, small holes filled, self-crossings reported,
     edges over 1/32 of the size divided. All bounds are relative to the size of the mesh. Raises
     `InvalidFile`, without the file's name, where no surface is left.
 
@@ -58,10 +58,11 @@ def clean_mesh(soup: Soup) -> CleanMesh:
         findings += more
     mesh, more = largest_surface(soup)
     findings += more
-    few, more = _few_enough(mesh)
-    findings += inspect_crossings(mesh, few) + more
-    mesh, more = filled(few)
+    mesh, more = _few_enough(mesh)
     findings += more
+    mesh, more = filled(mesh)
+    findings += more
+    findings += inspect_crossings(mesh)
     return CleanMesh(refined(mesh, _LONGEST * mesh.size, MOST_TRIANGLES), tuple(findings))
 
 
