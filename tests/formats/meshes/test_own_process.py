@@ -165,7 +165,7 @@ def test_truncated_models_are_refused(tmp_path, share):
 
 def test_a_hanging_reader_is_given_up(tmp_path, monkeypatch):
     export_step(Sphere(2), tmp_path / "ball.step")
-    monkeypatch.setattr(surface, "_bounds", lambda size: Bounds(0.05, 4000))
+    monkeypatch.setattr(surface, "reading_bounds", lambda size: Bounds(0.05, 4000))
     with pytest.raises(InvalidFile, match=r"ball\.step: took over 0.05 seconds"):
         read_surface(tmp_path / "ball.step")
 
@@ -175,7 +175,7 @@ def test_large_meshes_are_read_in_a_process_of_their_own(tmp_path, monkeypatch):
     mesh.update_faces(mesh.triangles_center[:, 2] > 0.3)
     mesh.export(tmp_path / "dome.obj")
     within = read_surface(tmp_path / "dome.obj")
-    monkeypatch.setattr(surface, "_LARGE_MESH_BYTES", 10)
+    monkeypatch.setattr(surface, "LARGE_MESH_BYTES", 10)
     apart = read_surface(tmp_path / "dome.obj")
     assert isinstance(apart, MeshSurface)
     assert np.array_equal(apart.vertices_coords, within.vertices_coords)
