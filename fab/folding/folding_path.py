@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
 from fab.folding.quasi_static import damped, largest_turns, path_at
-from fab.geometry.rings import next_corner
 from fab.pattern.kinematics import next_around
 from fab.progress import Steps, no_steps
 from solver.graphs import EdgeIndex
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray, unit
 
 __all__ = ["Closure", "FoldingPath", "closing_path", "hinges_around"]

@@ -12,8 +12,8 @@ from fab.folding.quasi_static import Folding, FoldState, aligned, state_of
 from fab.folding.rigid_motion import RigidMotion
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.pattern.face_poses import bend_mm
-from fab.pattern.self_intersection import crossing_faces
 from fab.progress import Steps, no_steps
+from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray
 
 __all__ = ["RigidFold", "fold_rigidly"]

@@ -21,7 +21,7 @@ from fab.folding.target_forms import distance_rel, target_form
 from fab.folding.tolerance import Tolerance
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG
 from fab.pattern.kinematics import unknown_angles
-from fab.pattern.self_intersection import crossing_faces
+from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["PathPoint", "Verdict", "findings_of", "folded_form", "judge"]

@@ -17,9 +17,9 @@ import shapely
 from scipy.spatial import cKDTree
 
 from fab.geometry.distinct_points import distinct_points
-from fab.geometry.rings import next_corner
 from solver.errors import InvalidState
 from solver.graphs import labels
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Arrangement", "arrangement"]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fab.geometry.bodies import Bodies
-from fab.geometry.rings import next_corner
 from fab.geometry.side_loops import SideLoops, side_loops
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray, norm
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import numpy as np
 import shapely
 
 from fab.geometry.bodies import TriangleMesh
-from fab.geometry.rings import next_corner
 from fab.geometry.triangulation import covered
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["circle", "extruded", "walls"]

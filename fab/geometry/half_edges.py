@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fab.geometry.bodies import Bodies
-from fab.geometry.rings import next_corner, ring_areas
+from fab.geometry.rings import ring_areas
 from fab.geometry.side_loops import cycles, side_loops
 from fab.geometry.triangulation import covered
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["HalfEdges", "bodies_from", "half_edges", "triangles_within"]

@@ -9,20 +9,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["are_convex", "by_size", "next_corner", "ring_areas"]
-
-
-def next_corner(offsets: IntArray) -> IntArray:
-    """Index of the following corner in the same ring, for all rings' corners.
-
-    >>> next_corner(np.array([0, 3, 7])).tolist()
-    [1, 2, 0, 4, 5, 6, 3]
-    """
-    following = np.arange(offsets[-1]) + 1
-    following[offsets[1:] - 1] = offsets[:-1]
-    return following
+__all__ = ["are_convex", "by_size", "ring_areas"]
 
 
 def by_size(corners: IntArray, offsets: IntArray) -> Iterator[tuple[IntArray, IntArray]]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fab.geometry.bodies import Bodies
-from fab.geometry.rings import next_corner
 from solver.errors import InvalidState
 from solver.graphs import EdgeIndex, labels
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm
 
 __all__ = ["SideLoops", "cycles", "side_loops"]

@@ -25,11 +25,11 @@ from fab.jobs.job import Job, SheetSettings
 from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_pattern
-from fab.pattern.self_intersection import crossing_faces
 from fab.progress import Clock, Progress, silent
 from fab.settings import checked
 from fab.sheets.perforation import perforate
 from solver import Growth, QuadMesh
+from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["Format", "Sheet", "from_mesh", "make"]

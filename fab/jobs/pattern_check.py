@@ -13,7 +13,7 @@ from fab.pattern.inspection import (
     inspect_crossings,
     measure_pattern,
 )
-from fab.pattern.self_intersection import crossing_faces
+from solver.self_intersection import crossing_faces
 
 __all__ = ["PatternCheck", "check_pattern"]
 

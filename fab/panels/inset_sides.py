@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from fab.geometry.rings import are_convex, next_corner
+from fab.geometry.rings import are_convex
 from fab.panels.setbacks import Setbacks, Sides
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["SHORTEST_SIDE_MM", "inset", "spans"]

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.geometry.rings import next_corner
 from fab.pattern.closing_edges import closing_edges
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.open_cuts import edges_between
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["Setbacks", "Sides", "setbacks", "sides_of"]

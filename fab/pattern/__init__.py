@@ -6,6 +6,6 @@ Of a pattern: `outlines` (what is cut through), `open_cuts` (the sheet with its 
 `closing_edges` (edges that meet when folded), `sectors` (lines around vertices),
 `flat_foldability` (letters that fold a vertex flat), `forced_letters` (those that follow).
 Of its fold: `kinematics` and `face_tree` (rigid faces turned by the fold angles), `face_poses`,
-`self_intersection` (faces that cross), `inspection` (exactness, as findings).
+`inspection` (exactness, as findings).
 `picture` draws both as a PNG.
 """

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern, face_normals
+from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.kinematics import fold_by_angles, unknown_angles
 from fab.pattern.open_cuts import opened
 from solver.graphs import labels
+from solver.polygons import face_normals
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["closing_edges", "closing_edges_by_angles"]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fab.errors import InvalidJob
-from fab.geometry.rings import by_size, next_corner
+from fab.geometry.rings import by_size
 from fab.pattern.development import Development
 from solver.errors import InvalidState, require_positive
 from solver.graphs import labels
@@ -187,15 +187,3 @@ def fold_angles_deg(
     angle[np.abs(angle) < FLAT_ANGLE_DEG] = 0.0
     angle[angle == -180.0] = 180.0
     return angle
-
-
-def face_normals(
-    coords: FloatArray, faces_vertices: IntArray, faces_offsets: IntArray
-) -> FloatArray:
-    """Unit area normals of polygons in space, shape (nf, 3)."""
-    sizes = np.diff(faces_offsets)
-    corner = coords[faces_vertices] - np.repeat(
-        coords[faces_vertices[faces_offsets[:-1]]], sizes, 0
-    )
-    following = corner[next_corner(faces_offsets)]
-    return unit(np.add.reduceat(cross(corner, following), faces_offsets[:-1]))

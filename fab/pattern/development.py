@@ -10,12 +10,13 @@ import shapely
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from fab.geometry.rings import by_size, next_corner
+from fab.geometry.rings import by_size
 from fab.pattern.overlap import overlapping_faces
 from solver.errors import InvalidState, InvalidValue
 from solver.graphs import EdgeIndex
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
+from solver.polygons import next_corner
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["Development", "develop"]

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fab.geometry.rings import next_corner
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.flat_foldability import balanced_letters, foldable_letters, kawasaki_rad
 from fab.pattern.sectors import sectors_of
 from solver.graphs import labels
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["KAWASAKI_RAD", "ForcedLetters", "forced_letters", "with_letters"]

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from fab.geometry.rings import next_corner
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.face_tree import face_tree
 from fab.pattern.open_cuts import edges_between
 from solver.graphs import EdgeIndex
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray, norm, scattered, unit
 
 __all__ = ["Kinematics", "fold_by_angles", "next_around", "unknown_angles", "vertices_closure_rad"]

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fab.pattern.crease_pattern import CreasePattern, face_normals
+from fab.pattern.crease_pattern import CreasePattern
+from solver.polygons import face_normals
 from solver.vectors import FloatArray, norm, unit
 
 __all__ = ["png_bytes", "principal_axes"]

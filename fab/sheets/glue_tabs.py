@@ -15,10 +15,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from fab.geometry.rings import next_corner
 from fab.layout.face_sets import outer_corners
 from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.seams import SeamSides
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Tabs", "corner_angles", "glue_tabs"]

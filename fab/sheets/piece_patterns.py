@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from fab.layout.assembly_order import piece_name
 from fab.layout.face_sets import SheetToDivide, extent, upright
-from fab.pattern.crease_pattern import CreasePattern, face_normals
+from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.glue_tabs import Tabs
 from fab.sheets.labels import Label, number_text
 from fab.sheets.piece_labels import SeamNumbers, piece_labels
 from fab.sheets.seams import SeamSides, places_of
 from solver.graphs import EdgeIndex
 from solver.mesh import Edges, edges_of
+from solver.polygons import face_normals
 from solver.vectors import FloatArray, IntArray, cross, unit
 
 __all__ = ["Division", "Piece"]

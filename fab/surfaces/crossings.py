@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from fab.errors import Finding, Severity, counted
-from fab.pattern.self_intersection import crossing_faces
 from fab.surfaces.soup import place_text
 from solver.errors import InvalidState
+from solver.self_intersection import crossing_faces
 from solver.targets.smoothing import edge_length, smoothed
 from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import IntArray
@@ -22,7 +22,7 @@ def inspect_crossings(mesh: SurfaceMesh) -> list[Finding]:
 
     Where it does so no more once it is smoothed by 8 of its edges, the crossings are those of
     neighbours that noise, or decimation, has moved: a note. The cost is that of
-    `fab.pattern.self_intersection.crossing_faces`, about a second for 100 000 triangles.
+    `solver.self_intersection.crossing_faces`, about a second for 100 000 triangles.
     """
     pairs = _crossings(mesh)
     if not len(pairs):

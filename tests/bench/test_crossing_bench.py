@@ -10,8 +10,8 @@ import time
 import numpy as np
 import pytest
 
-from fab.pattern.self_intersection import crossing_faces
 from solver import Miura, developability, planarity
+from solver.self_intersection import crossing_faces
 
 
 def sheets(faces: int, crossed: bool):

@@ -15,10 +15,10 @@ from fab.folding.rotation_predictor import rotation_predictor
 from fab.folding.target_forms import distance_rel, form_difference
 from fab.folding.verdict import findings_of, judge
 from fab.pattern.crease_pattern import CreasePattern, assignments, fold_angles_deg
-from fab.pattern.self_intersection import crossing_faces
 from solver.errors import InvalidValue
 from solver.hinge_angles import hinge_angles
 from solver.mesh import edges_of
+from solver.self_intersection import crossing_faces
 from solver.vectors import norm
 
 # The others have up to 76,000 faces, or (nested_cones) collapse and recover on the way.

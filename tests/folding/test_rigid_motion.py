@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from fab.formats.fold_reader import read_fold, read_pattern
 from flat_patterns import grid
 from helpers import PATTERNS, TEMPLATES
 from relaxed_surfaces import bump
@@ -22,7 +23,6 @@ from fab.folding.rigid_folding import fold_rigidly
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.simulation import Solver
 from fab.folding.verdict import judge
-from fab.formats.fold_reader import read_fold, read_pattern
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from fab.geometry.arrangement import arrangement
 from fab.geometry.planar_graph import walks_of
-from fab.geometry.rings import next_corner, ring_areas
+from fab.geometry.rings import ring_areas
+from solver.polygons import next_corner
 
 
 def plain_walks(points, edges):

@@ -10,12 +10,12 @@ from thick_sheets import miura_pattern, thick
 
 from fab.geometry.bodies import Bodies, TriangleMesh, bodies_of
 from fab.geometry.brep import solids
-from fab.geometry.rings import next_corner
 from fab.geometry.side_loops import side_loops
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
 from fab.panels.thick_sheet import thicken
 from solver import InvalidValue
+from solver.polygons import next_corner
 from solver.vectors import cross
 
 

@@ -10,7 +10,6 @@ import pytest
 from helpers import ROOT
 from relaxed_surfaces import VASE, Sphere, bump, bump_sheet, hemisphere, vase_tube
 
-from fab.pattern.self_intersection import crossing_faces
 from solver import InvalidState, InvalidValue, Miura, developability, planarity
 from solver.hinge_angles import hinge_angles
 from solver.relaxation import (
@@ -30,6 +29,7 @@ from solver.relaxation import (
 )
 from solver.relaxation.neighbours import hinges, sides, vertex_rings
 from solver.relaxation.projection import projected
+from solver.self_intersection import crossing_faces
 
 
 def exactness(mesh):

@@ -14,10 +14,11 @@ import shapely
 from fab.errors import Finding, InvalidFile, Severity, first_few
 from fab.formats.drawn.lines import Faces, Lines, listed
 from fab.geometry.planar_graph import first_abutting, first_crossing
-from fab.geometry.rings import next_corner, ring_areas
+from fab.geometry.rings import ring_areas
 from fab.pattern.overlap import overlapping_faces
 from solver.graphs import labels
 from solver.mesh import Edges
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.geometry.rings import next_corner, ring_areas
+from fab.geometry.rings import ring_areas
+from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray, cross
 
 __all__ = ["FlatSheet", "flat_sheet", "is_open"]

@@ -46,9 +46,9 @@ from fab.formats.read_options import ReadOptions
 from fab.formats.strictness import require_no_repairs
 from fab.formats.units import unit_named, unit_unknown
 from fab.geometry.arrangement import Arrangement
-from fab.geometry.rings import next_corner
 from solver.graphs import labels
 from solver.mesh import Edges, edges_of
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["pattern_of", "read_fold"]

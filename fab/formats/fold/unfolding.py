@@ -9,8 +9,8 @@ import numpy as np
 
 from fab.errors import InvalidFile
 from fab.formats.drawn.lines import listed
-from fab.geometry.rings import next_corner
 from solver.graphs import labels
+from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm
 
 __all__ = ["unfolded"]

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from fab.pattern.self_intersection import crossing_faces
 from solver import QuadMesh
+from solver.self_intersection import crossing_faces
 from solver.transfer import coupling
 from solver.vectors import angle_between, full_turn, unit
 from solver.vertex import growth_direction, locked_flap_angles, self_intersects
@@ -305,7 +305,7 @@ def test_pairs_are_sorted_and_the_same_for_any_order_of_faces():
 def test_looking_up_few_faces_at_a_time_changes_nothing(monkeypatch):
     triangles = np.random.default_rng(5).normal(size=(100, 3, 3))
     expected = crossings_of(triangles)
-    monkeypatch.setattr("fab.pattern.self_intersection._FACES_AT_ONCE", 7)
+    monkeypatch.setattr("solver.self_intersection._FACES_AT_ONCE", 7)
     assert len(expected) > 200
     assert crossings_of(triangles) == expected
 

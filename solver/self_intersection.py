@@ -21,8 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from fab.geometry.rings import next_corner
-from fab.pattern.crease_pattern import face_normals
+from solver.polygons import face_normals, next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["CONTACT_REL", "crossing_faces"]
