@@ -33,7 +33,15 @@ from solver.errors import InvalidState, InvalidValue
 from solver.graphs import edge_keys
 from solver.vectors import BoolArray, FloatArray, IntArray, numbers, points
 
-__all__ = ["Edges", "QuadMesh", "Side", "boundary_loops", "edges_of", "interior_vertices"]
+__all__ = [
+    "Edges",
+    "QuadMesh",
+    "Side",
+    "boundary_loops",
+    "edges_of",
+    "grid_faces",
+    "interior_vertices",
+]
 
 
 class Side(StrEnum):
@@ -122,7 +130,7 @@ class QuadMesh:
             )
         grid = np.arange(coords.shape[0] * coords.shape[1]).reshape(coords.shape[:2])
         return cls(
-            points("rows", coords.reshape(-1, 3)).copy(), _grid_faces(grid, closed), grid, closed
+            points("rows", coords.reshape(-1, 3)).copy(), grid_faces(grid, closed), grid, closed
         )
 
     @cached_property
@@ -201,7 +209,7 @@ class QuadMesh:
 
         turned : the grid with the new vertices' numbers, seen with `side` on top.
         """
-        faces = _grid_faces(turned, self.closed)
+        faces = grid_faces(turned, self.closed)
         fresh = (faces.min(axis=1) >= 0) & (faces.max(axis=1) >= len(self.vertices_coords))
         return replace(
             self,
@@ -213,18 +221,16 @@ class QuadMesh:
     def with_faces(self, kept: BoolArray) -> QuadMesh:
         """The patch with the faces `kept` alone, by row and column of the grid, (R - 1, C - 1).
 
-        Faces can be kept where the grid has all four corners.
-
-        Vertices that no face uses any more are dropped, the others numbered anew in the same order;
-        `grid` is -1 where there is none.
+        Faces can be kept where the grid has all four corners; on a closed patch kept has shape
+        (R - 1, C). Vertices that no face uses any more are dropped, the others numbered anew in
+        the same order; `grid` is -1 where there is none.
         """
-        corners = [self.grid[:-1, :-1], self.grid[:-1, 1:], self.grid[1:, 1:], self.grid[1:, :-1]]
-        faces = np.stack([corner[kept] for corner in corners], axis=-1)
+        faces = grid_faces(self.grid, self.closed)[kept.ravel()]
         used = np.zeros(len(self.vertices_coords), bool)
         used[faces] = True
         number = np.where(used, np.cumsum(used) - 1, -1)
         grid = np.where(self.grid >= 0, number[self.grid], -1)
-        return QuadMesh(self.vertices_coords[used], number[faces], grid)
+        return QuadMesh(self.vertices_coords[used], number[faces], grid, self.closed)
 
     def cut_open(self) -> QuadMesh:
         """The patch with a closed one's first column doubled behind its last, to lie flat.
@@ -237,10 +243,11 @@ class QuadMesh:
         new = len(self.vertices_coords) + np.arange(len(seam))
         grid = np.column_stack([self.grid, new])
         coords = np.concatenate([self.vertices_coords, self.vertices_coords[seam]])
-        return QuadMesh(coords, _grid_faces(grid, closed=False), grid)
+        return QuadMesh(coords, grid_faces(grid, closed=False), grid)
 
 
-def _grid_faces(grid: IntArray, closed: bool) -> IntArray:
+def grid_faces(grid: IntArray, closed: bool) -> IntArray:
+    """Faces between the rows and columns of a grid of vertices (R, C), row after row, (nf, 4)."""
     if closed:
         grid = np.column_stack([grid, grid[:, 0]])
     corners = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]

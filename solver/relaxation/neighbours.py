@@ -60,8 +60,8 @@ def vertex_rings(faces_vertices: IntArray, count: int) -> IntArray:
 def opposite_pairs(faces_vertices: IntArray, count: int) -> IntArray:
     """Vertices two apart along a grid line, each pair once, shape (n, 2).
 
-    They are opposite each other around an interior vertex of four faces, or along the boundary
-    around a vertex of two.
+    They are opposite each other around an interior vertex of four faces, along the boundary around
+    a vertex of two, or both around one of three, where the outline has a concave corner.
 
     >>> faces = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
     >>> opposite_pairs(faces, 6).tolist()
@@ -71,15 +71,21 @@ def opposite_pairs(faces_vertices: IntArray, count: int) -> IntArray:
     regular = rings[(rings >= 0).sum(axis=1) == 5]
     inner = regular[:, [1, 3, 2, 4]].reshape(-1, 2)
     corner, after, before = _corners(faces_vertices)
-    boundary = ~interior_vertices(faces_vertices, count) & (
-        np.bincount(corner, minlength=count) == 2
-    )
-    # of the two sectors at such a vertex one begins and the other one ends at the boundary
-    starts = ~np.isin(corner * count + after, corner * count + before) & boundary[corner]
-    ends = ~np.isin(corner * count + before, corner * count + after) & boundary[corner]
-    begin, end = np.full(count, -1), np.full(count, -1)
-    begin[corner[starts]], end[corner[ends]] = after[starts], before[ends]
-    outer = np.column_stack([end[boundary], begin[boundary]])
+    rim = ~interior_vertices(faces_vertices, count)
+    size = np.bincount(corner, minlength=count)
+    # of the sectors at such a vertex one begins and another one ends at the boundary
+    starts = ~np.isin(corner * count + after, corner * count + before) & rim[corner]
+    ends = ~np.isin(corner * count + before, corner * count + after) & rim[corner]
+    neighbours = np.full((4, count), -1)  # of the first sector, and of the last
+    for k, (side, of) in enumerate(
+        ((after, starts), (before, starts), (after, ends), (before, ends))
+    ):
+        neighbours[k, corner[of]] = side[of]
+    first, second, third, last = neighbours
+    two, three = rim & (size == 2), rim & (size == 3)
+    outer = np.column_stack([last[two], first[two]])
+    across = np.column_stack([third[three], first[three], last[three], second[three]])
+    outer = np.concatenate([outer, across.reshape(-1, 2)])
     return np.concatenate([inner, outer])
 
 

@@ -25,9 +25,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.errors import InvalidValue, require_count, require_within
-from solver.mesh import QuadMesh
+from solver.mesh import QuadMesh, grid_faces
 from solver.targets.base import Target
-from solver.vectors import FloatArray, IntArray, norm
+from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
 __all__ = ["Cell", "PleatedSheet", "pleated_patch", "pleated_tube", "prolonged"]
 
@@ -76,6 +76,8 @@ class PleatedSheet:
     closed : whether the last column is joined to the first; lines then run along the columns of
         the tube, else along the rows.
     period : change of u and v once around, of a closed sheet.
+    kept : which cells of the grid are part of the sheet, shape (R - 1, C - 1), or (R - 1, C) of a
+        closed one; None for all. The vertices of others have no face.
     """
 
     base: FloatArray
@@ -83,6 +85,7 @@ class PleatedSheet:
     cell: Cell
     closed: bool = False
     period: tuple[float, float] = (0.0, 0.0)
+    kept: BoolArray | None = None
 
     def __post_init__(self) -> None:
         if self.base.ndim != 3 or self.base.shape != self.swing.shape or self.base.shape[2] != 2:
@@ -91,6 +94,12 @@ class PleatedSheet:
                 f"arrays of shapes {self.base.shape} and {self.swing.shape}",
                 "both have shape (rows, columns, 2)",
                 "Give u and v of every vertex.",
+            )
+        rows, columns = self.base.shape[:2]
+        cells = rows - 1, columns - (not self.closed)
+        if self.kept is not None and self.kept.shape != cells:
+            raise InvalidValue(
+                "kept", f"array of shape {self.kept.shape}", f"have shape {cells}", "See `shape`."
             )
         if self.closed and self.base.shape[1] % 2:
             raise InvalidValue(
@@ -126,9 +135,20 @@ class PleatedSheet:
         places = target.places(self.uv)
         return target.point(places) + self.offsets[:, None] * target.normal(places)
 
+    @property
+    def faces_vertices(self) -> IntArray:
+        """Corners of the cells that are part of the sheet, in its grid, shape (nf, 4)."""
+        rows, columns = self.shape
+        faces = grid_faces(np.arange(rows * columns).reshape(rows, columns), self.closed)
+        return faces if self.kept is None else faces[self.kept.ravel()]
+
     def mesh(self, coords: FloatArray) -> QuadMesh:
-        """The patch or tube with the vertices `coords`, shape (R C, 3)."""
-        return QuadMesh.from_rows(coords.reshape(*self.shape, 3), closed=self.closed)
+        """The patch or tube with the vertices `coords`, shape (R C, 3).
+
+        Where cells are left out, vertices without a face are left out too.
+        """
+        mesh = QuadMesh.from_rows(coords.reshape(*self.shape, 3), closed=self.closed)
+        return mesh if self.kept is None else mesh.with_faces(self.kept)
 
     def side_lengths(self, pairs: IntArray) -> FloatArray:
         """Lengths of the cell's sides between neighbours, shape (n, 2), in the grid."""
@@ -146,7 +166,7 @@ class PleatedSheet:
     def resized(self, rows: int, columns: int) -> PleatedSheet:
         """The sheet over the same part of the surface with other numbers of vertices.
 
-        Its cell is larger or smaller by as much.
+        Its cell is larger or smaller by as much; all cells are part of it.
         """
         R, C = self.shape
         by_rows = (R - 1) / (rows - 1)
@@ -160,7 +180,7 @@ class PleatedSheet:
         )
         base = _interpolated(self.base, rows, columns, self.closed, self.period)
         swing = along * _interpolated(self.swing, rows, columns, self.closed)
-        return replace(self, base=base, swing=swing, cell=cell)
+        return replace(self, base=base, swing=swing, cell=cell, kept=None)
 
     def halved(self) -> PleatedSheet:
         """The sheet with half as many faces in either direction (as many lines around: even)."""

@@ -87,6 +87,7 @@ def relaxed_sheet(
     wishes: Wishes | None = None,
     *,
     held: BoolArray | None = None,
+    rim: RimReach | None = None,
     start: FloatArray | None = None,
     rounds: int = 200,
     progress: Callable[[int, float], None] | None = None,
@@ -99,8 +100,9 @@ def relaxed_sheet(
     wishes : soft terms; None for the usual ones.
     held : vertices that follow the surface, shape (R C,); None for all. Others, such as those
         beyond its rim, only continue the sheet.
-    start : coordinates to begin with, shape (R C, 3); None: the sheet on its offsets, or, with
-        more than 30 rows, as a relaxed sheet of half the resolution has it.
+    rim : planes that the sheet reaches; None for those across the rim of its first points.
+    start : coordinates to begin with, shape (R C, 3); None: the sheet on its offsets, or, where it
+        is a whole grid of more than 30 rows, as a relaxed sheet of half the resolution has it.
     rounds, progress, interrupted : see `relax`; the last two are of the coarser levels too.
 
     >>> from solver.relaxation import pleated_patch
@@ -115,7 +117,7 @@ def relaxed_sheet(
     coarse_rounds = 0
     if start is None:
         start = sheet.points(target)
-        if sheet.shape[0] > _ROWS_AT_ONCE:
+        if sheet.shape[0] > _ROWS_AT_ONCE and sheet.kept is None:
             half = sheet.halved()
             coarse = relaxed_sheet(
                 target,
@@ -128,7 +130,7 @@ def relaxed_sheet(
             )
             coarse_rounds = coarse.coarse_rounds + coarse.relaxation.rounds
             start = prolonged(half, coarse.relaxation.coords, sheet, target)
-    hard, soft = sheet_terms(target, sheet, wishes, held)
+    hard, soft = sheet_terms(target, sheet, wishes, held, rim)
     done = relax(
         start,
         hard,
@@ -142,18 +144,23 @@ def relaxed_sheet(
 
 
 def sheet_terms(
-    target: Target, sheet: PleatedSheet, wishes: Wishes, held: BoolArray | None = None
+    target: Target,
+    sheet: PleatedSheet,
+    wishes: Wishes,
+    held: BoolArray | None = None,
+    rim: RimReach | None = None,
 ) -> tuple[list[Term], list[Soft]]:
     """Hard and soft terms of a sheet on a surface; the first soft one is that of its offsets.
 
-    held : see `relaxed_sheet`.
+    held, rim : see `relaxed_sheet`.
     """
     first = sheet.points(target)
-    faces, count = sheet.mesh(first).faces_vertices, len(first)
+    faces, count = sheet.faces_vertices, len(first)
     hard: list[Term] = [PlanarFaces(faces), DevelopableVertices.of(faces, count)]
     if wishes.rigid:
         hard.append(FlatFoldableVertices.of(faces, count))
-    followed = np.arange(count) if held is None else np.flatnonzero(held)
+    used = np.bincount(faces.ravel(), minlength=count) > 0
+    followed = np.flatnonzero(used if held is None else used & held)
     edges, spans = sides(faces), opposite_pairs(faces, count)
     lengths = sheet.side_lengths(edges)
     soft = [
@@ -172,7 +179,7 @@ def sheet_terms(
         Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.least),
     ]
     if wishes.rim:
-        soft.append(Soft(_rim(sheet, first), wishes.rim))
+        soft.append(Soft(_rim(sheet, first) if rim is None else rim, wishes.rim))
     if wishes.most_fold is not None:
         soft.append(Soft(FoldBounds.of(faces, first, wishes.most_fold), wishes.fold))
     return hard, soft

@@ -106,7 +106,7 @@ class MeshTarget:
     def normal(self, places: FloatArray) -> FloatArray:
         """Unit normals, interpolated between those of the vertices, shape (n, 3)."""
         face, weights = _face_and_weights(places)
-        return places[:, _SIDE, None] * self._normal(face, weights)
+        return places[:, _SIDE, None] * self.normal_at(face, weights)
 
     def distance(
         self, points: FloatArray, guess: FloatArray
@@ -124,7 +124,7 @@ class MeshTarget:
         asked = np.where(finite[:, None], points, self.mesh.vertices_coords[0])
         gap, face, foot = self._tree.nearest(asked)
         weights = barycentric(self.mesh.vertices_coords[self.mesh.faces_vertices[face]], foot)
-        normal = self._normal(face, weights)
+        normal = self.normal_at(face, weights)
         rim = self._on_rim(face, weights)
         off = asked - foot
         gap = np.where(dot(off, self._pseudonormal(face, weights)) < 0, -gap, gap)
@@ -172,7 +172,7 @@ class MeshTarget:
         before = self.normal(np.where(known[:, None], guess, 0.0))
         return np.where(known & (dot(before, normal) < 0), -1.0, 1.0)
 
-    def _normal(self, face: IntArray, weights: FloatArray) -> FloatArray:
+    def normal_at(self, face: IntArray, weights: FloatArray) -> FloatArray:
         """Interpolated unit normals on the first side of faces, shape (n, 3)."""
         mixed = unit((weights[..., None] * self._corner_normals[face]).sum(axis=1))
         lost = ~np.isfinite(mixed).all(axis=1)

@@ -1,0 +1,121 @@
+"""Sheets that end at the rim of their surface: cells beyond it dropped, creases shortened to it.
+
+        o---o---o            a vertex with two faces ends a crease: it moves along this crease;
+        |   |   |            one with a single face is a corner: it moves along a diagonal, or
+    - - + - + - + - rim      along the side that ends in it;
+        |   |   |            one with three faces stays, for its creases run on.
+        o---o---o
+
+Faces stay planar and sectors as they are: the sheet is as exact as before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.coverage import one_piece
+from solver.mesh import QuadMesh, edges_of
+from solver.targets.mesh_target import MeshTarget
+from solver.vectors import BoolArray, FloatArray, IntArray, norm
+
+__all__ = ["shares_over", "trimmed"]
+
+# Points along either direction of a face at which it is seen whether it is over the surface.
+_WITHIN = (np.arange(8) + 0.5) / 8
+# Faces with less than this share over the surface may be dropped, together this share of the whole.
+_SLIVER = 0.2
+_MAY_MISS = 0.003
+# A crease keeps at least this share of its length, a diagonal the second one.
+_SHORTEST = 0.3
+_SHORTEST_DIAGONAL = 0.6
+# Halvings of the way along a crease: its end is found to 2^-20 of its length.
+_HALVINGS = 20
+
+
+def shares_over(target: MeshTarget, coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
+    """Which share of each face is over the surface and not beyond its rim, shape (nf,)."""
+    s, t = (a.reshape(-1, 1) for a in np.meshgrid(_WITHIN, _WITHIN))
+    weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
+    within = np.einsum("kpq,fkd->fpd", weights, coords[faces_vertices])
+    return np.asarray(_over(target, within.reshape(-1, 3)).reshape(len(within), -1).mean(axis=1))
+
+
+def trimmed(target: MeshTarget, mesh: QuadMesh) -> QuadMesh:
+    """The sheet without cells beyond the rim of its surface, its sides shortened to the rim.
+
+    mesh : an open patch. Cells with less than a fifth over the surface are dropped, as long as no
+    more than 0.3 % of the sheet is lost. Where a side would keep less than 0.3 of its length it is
+    left longer.
+    """
+    share = shares_over(target, mesh.vertices_coords, mesh.faces_vertices)
+    mesh = _without_slivers(mesh, share)
+    coords, faces = mesh.vertices_coords.copy(), mesh.faces_vertices
+    count = np.bincount(faces.ravel(), minlength=len(coords))
+    edges = edges_of(faces.ravel(), 4 * np.arange(len(faces) + 1))
+    ends = np.concatenate([edges.edges_vertices, edges.edges_vertices[:, ::-1]])
+    inner = np.tile(edges.edges_faces[:, 1] >= 0, 2)
+    outer = np.zeros(len(coords), bool)
+    outer[edges.edges_vertices[edges.edges_faces[:, 1] < 0]] = True
+    # ends of creases: one inner edge, two faces
+    sliding = inner & outer[ends[:, 0]] & (count[ends[:, 0]] == 2)
+    # corners beside another corner: the face is held by one edge alone, both slide along its sides
+    corner = (count == 1)[ends[:, 0]]
+    paired = np.zeros(len(coords), bool)
+    both = corner & (count == 1)[ends[:, 1]]
+    paired[ends[both, 0]] = True
+    sliding |= corner & paired[ends[:, 0]] & (count[ends[:, 1]] > 1)
+    _slide(target, coords, ends[sliding, 1], ends[sliding, 0], _SHORTEST)
+    face, place = np.nonzero((count == 1)[faces] & ~paired[faces])
+    _slide(target, coords, faces[face, (place + 2) % 4], faces[face, place], _SHORTEST_DIAGONAL)
+    return QuadMesh(coords, faces, mesh.grid, mesh.closed)
+
+
+def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:
+    """The mesh without cells that are hardly over the surface, in one piece."""
+    order = np.argsort(share, kind="stable")
+    lost = np.cumsum(share[order]) <= _MAY_MISS * share.sum()
+    drop = np.zeros(len(share), bool)
+    drop[order] = lost & (share[order] < _SLIVER)
+    grid = mesh.grid
+    corners = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=-1)
+    known = {tuple(face): k for k, face in enumerate(mesh.faces_vertices.tolist())}
+    kept = np.zeros(corners.shape[:2], bool)
+    for i, j in np.argwhere((corners >= 0).all(axis=-1)).tolist():
+        number = known.get(tuple(corners[i, j].tolist()))
+        kept[i, j] = number is not None and not drop[number]
+    return mesh.with_faces(_with_corners_joined(kept, corners, known))
+
+
+def _with_corners_joined(
+    kept: BoolArray, corners: IntArray, known: dict[tuple[int, ...], int]
+) -> BoolArray:
+    """The largest piece of the cells; where two touch in a corner alone, as few as can be added."""
+    out = one_piece(kept)
+    there = np.zeros_like(out)
+    for i, j in np.argwhere(out).tolist():
+        there[i, j] = tuple(corners[i, j].tolist()) in known
+    return there
+
+
+def _slide(
+    target: MeshTarget, coords: FloatArray, start: IntArray, end: IntArray, shortest: float
+) -> None:
+    """Move the vertices `end` towards `start`, as far as the rim where they are beyond it."""
+    if not len(end):
+        return
+    arm = coords[end] - coords[start]
+    beyond = ~_over(target, coords[end])
+    low, high = np.full(len(end), shortest), np.ones(len(end))
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        over = _over(target, coords[start] + middle[:, None] * arm)
+        low, high = np.where(over, middle, low), np.where(over, high, middle)
+    coords[end[beyond]] = (coords[start] + low[:, None] * arm)[beyond]
+
+
+def _over(target: MeshTarget, points: FloatArray) -> BoolArray:
+    """Whether the nearest point of the surface is not on its rim, or the point is just above it."""
+    _, _, places = target.distance(points, target.unknown(len(points)))
+    aside = norm(target.point(places) - target.mesh_point(places))
+    over: BoolArray = aside <= 1e-9 * target.mesh.size
+    return over

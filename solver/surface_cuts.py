@@ -1,0 +1,172 @@
+"""Surfaces cut by a plane: into parts, or open along one line, where a single sheet does not reach."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from solver.graphs import labels
+from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.vectors import FloatArray, IntArray, cross, norm
+
+__all__ = ["halves", "opened"]
+
+# Vertices nearer to the plane than this share of the mesh's size are moved onto it.
+_ON_PLANE = 1e-3
+# Parts below this share of the area are crumbs of the cut.
+_CRUMB = 1e-3
+_DIRECTIONS = 3
+
+
+def halves(mesh: TriangleMesh) -> list[TriangleMesh]:
+    """The parts on both sides of a plane through the middle of a surface, largest first.
+
+    The plane is across the direction in which the surface reaches furthest, or for a closed one,
+    the least far, so that its halves are as shallow as can be. Parts have a straight rim there.
+    """
+    axes = _principal_axes(mesh)
+    axis = axes[0] if mesh.boundary_loops else axes[2]
+    return _pieces(*_sliced(mesh, axis))
+
+
+def opened(mesh: TriangleMesh) -> TriangleMesh | None:
+    """A torus cut to a tube, or a one-sided band cut to a strip, along one line; None if not.
+
+    Of the lines in which planes through the middle meet the surface, the shortest after which the
+    surface is in one piece and two-sided.
+    """
+    wanted = {MeshKind.TORUS: MeshKind.RING, MeshKind.MOEBIUS: MeshKind.DISC}.get(mesh.kind)
+    if wanted is None:
+        return None
+    found: list[tuple[float, TriangleMesh]] = []
+    for axis in _principal_axes(mesh):
+        coords, faces, side, on = _sliced(mesh, axis)
+        for line in np.unique(_lines(coords, faces, side, on)[on]):
+            cut = _cut_along(coords, faces, side, on, _lines(coords, faces, side, on), int(line))
+            if cut is not None and cut[1].kind is wanted:
+                found.append(cut)
+    return min(found, key=lambda pair: pair[0])[1] if found else None
+
+
+def _principal_axes(mesh: TriangleMesh) -> FloatArray:
+    """Directions of the surface's extent by area, the longest first, shape (3, 3)."""
+    weight = norm(mesh.doubled_areas)
+    middle = mesh.vertices_coords[mesh.faces_vertices].mean(axis=1)
+    arm = middle - (weight[:, None] * middle).sum(axis=0) / weight.sum()
+    _, axes = np.linalg.eigh((weight[:, None, None] * arm[:, :, None] * arm[:, None]).sum(axis=0))
+    axes = axes.T[::-1]
+    # the sign that makes the largest entry positive, so that the same surface is cut the same way
+    largest = axes[np.arange(3), np.abs(axes).argmax(axis=1)]
+    return np.asarray(axes * np.where(largest < 0, -1.0, 1.0)[:, None])
+
+
+def _sliced(
+    mesh: TriangleMesh, axis: FloatArray
+) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
+    """Triangles cut by the plane across `axis` through the median of area.
+
+    Returns vertices, faces, the side of each face (0 or 1), and which vertices are on the plane.
+    """
+    coords = mesh.vertices_coords.copy()
+    middle = coords[mesh.faces_vertices].mean(axis=1) @ axis
+    order = np.argsort(middle, kind="stable")
+    upto = np.cumsum(norm(mesh.doubled_areas)[order])
+    height = coords @ axis - middle[order][np.searchsorted(upto, upto[-1] / 2)]
+    near = np.abs(height) <= _ON_PLANE * mesh.size
+    coords[near] -= height[near, None] * axis
+    height[near] = 0.0
+    ends, faces_edges = mesh.edges_vertices, mesh.faces_edges
+    crossed = height[ends[:, 0]] * height[ends[:, 1]] < 0
+    share = height[ends[:, 0]] / np.where(crossed, height[ends[:, 0]] - height[ends[:, 1]], 1.0)
+    new = np.full(len(ends), -1)
+    new[crossed] = len(coords) + np.arange(int(crossed.sum()))
+    between = (1 - share[:, None]) * coords[ends[:, 0]] + share[:, None] * coords[ends[:, 1]]
+    coords = np.concatenate([coords, between[crossed]])
+    height = np.concatenate([height, np.zeros(int(crossed.sum()))])
+    faces, side = [], []
+    for corners, edges in zip(mesh.faces_vertices.tolist(), faces_edges.tolist(), strict=True):
+        ring = [v for c, e in zip(corners, edges, strict=True) for v in (c, int(new[e])) if v >= 0]
+        for sign in (-1.0, 1.0):
+            part = [v for v in ring if height[v] * sign >= 0]
+            if any(height[v] * sign > 0 for v in part):
+                faces += [[part[0], part[k], part[k + 1]] for k in range(1, len(part) - 1)]
+                side += [int(sign > 0)] * (len(part) - 2)
+    on = np.flatnonzero(height == 0)
+    return coords, np.array(faces, np.int64), np.array(side), on
+
+
+def _lines(coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray) -> IntArray:
+    """Labels of the lines in which the plane meets the surface, of all vertices."""
+    flat = np.zeros(len(coords), bool)
+    flat[on] = True
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    return labels(ends[flat[ends].all(axis=1)], len(coords))
+
+
+def _cut_along(
+    coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray, line: IntArray, which: int
+) -> tuple[float, TriangleMesh] | None:
+    """The surface with the vertices of one line doubled, and the line's length."""
+    cut = np.zeros(len(coords), bool)
+    cut[on] = line[on] == which
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    along = ends[cut[ends].all(axis=1)]
+    if not len(along):
+        return None
+    length = float(norm(coords[along[:, 1]] - coords[along[:, 0]]).sum()) / 2
+    doubled = np.where(cut, len(coords) + np.cumsum(cut) - 1, np.arange(len(coords)))
+    moved = np.where((side == 1)[:, None], doubled[faces], faces)
+    pieces = _components(np.concatenate([coords, coords[cut]]), moved)
+    return (length, pieces[0]) if len(pieces) == 1 else None
+
+
+def _pieces(
+    coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray
+) -> list[TriangleMesh]:
+    found = [piece for k in (0, 1) for piece in _components(coords, faces[side == k])]
+    total = sum(piece.area for piece in found)
+    found = [piece for piece in found if piece.area > _CRUMB * total]
+    return sorted(found, key=lambda piece: -piece.area)
+
+
+def _components(coords: FloatArray, faces: IntArray) -> list[TriangleMesh]:
+    """Connected surfaces of triangles, without those of no area; they may touch at vertices."""
+    height = norm(
+        cross(coords[faces[:, 1]] - coords[faces[:, 0]], coords[faces[:, 2]] - coords[faces[:, 0]])
+    )
+    faces = faces[height > 1e-12 * height.max()]
+    return _separate(coords, faces)
+
+
+def _separate(coords: FloatArray, faces: IntArray) -> list[TriangleMesh]:
+    from solver.targets.triangle_mesh import corner_labels
+    from solver.targets.triangles import triangle_edges
+
+    _, faces_edges = triangle_edges(faces, len(coords))
+    half = np.argsort(faces_edges.ravel(), kind="stable")
+    edge = faces_edges.ravel()[half]
+    first = np.ones(len(edge), bool)
+    first[1:] = edge[1:] != edge[:-1]
+    edges_faces = np.full((int(edge.max()) + 1, 2), -1)
+    edges_faces[edge[first], 0] = half[first] // 3
+    edges_faces[edge[~first], 1] = half[~first] // 3
+    group = labels(edges_faces[edges_faces[:, 1] >= 0], len(faces))
+    corners = corner_labels(faces, faces_edges, edges_faces).reshape(-1, 3)
+    out = []
+    for piece in range(int(group.max()) + 1):
+        mine = corners[group == piece]
+        names, numbers = np.unique(mine, return_inverse=True)
+        where = np.empty((len(names), 3))
+        where[numbers.ravel()] = coords[faces[group == piece].ravel()]
+        out.append(TriangleMesh.of(where, _wound(numbers.reshape(-1, 3), where)))
+    return out
+
+
+def _wound(faces: IntArray, coords: FloatArray) -> IntArray:
+    """Faces turned so that neighbours agree, where that can be: as most of them are."""
+    mesh = TriangleMesh(coords.copy(), faces.copy())
+    if not mesh.orientable or mesh.wound.all():
+        return faces
+    flip = mesh.sides[:, 0] != mesh.sides[0, 0]
+    if flip.mean() > 0.5:
+        flip = ~flip
+    return np.where(flip[:, None], faces[:, ::-1], faces)

@@ -1,0 +1,324 @@
+"""Sheets for a surface of any topology: relaxed onto it whole, opened along a cut, or in parts.
+
+| surface | sheets |
+|---|---|
+| disc, also with holes | a patch over its map (`laying`), trimmed to the rim (`rim_trimming`) |
+| ring | a tube around it, or a patch with a hole |
+| torus, one-sided band | the same, opened along the shortest cut |
+| closed, or where none of these is good | the same for its two halves, again and again |
+
+Several shapes of cells and directions are tried; a sheet is good if it is exact, does not cross
+itself, covers its part and stays near its offsets. Of good ones the one with the largest least
+sector angle is taken: slim faces are hard to make.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.errors import InvalidState, InvalidValue, require_count
+from solver.mesh import QuadMesh
+from solver.relaxation.laying import Pleats, laid_patch, laid_tube, rim_planes
+from solver.relaxation.method import RelaxationStatus
+from solver.relaxation.pleats import PleatedSheet
+from solver.relaxation.rim_trimming import trimmed
+from solver.relaxation.sheet_fit import Wishes, relaxed_sheet
+from solver.self_intersection import crossing_faces
+from solver.surface_cover import covered
+from solver.surface_cuts import halves, opened
+from solver.surface_maps import cylinder_map, disc_map, principal_turn
+from solver.targets.mesh_target import MeshTarget
+from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.vectors import FloatArray
+
+__all__ = ["SurfaceSheet", "SurfaceSheets", "surface_sheets"]
+
+# Cells that are tried, the most usual first, and directions from the map's longest extent.
+_PLEATS = (
+    Pleats(),
+    Pleats(zigzag=1.0),
+    Pleats(spacing=1.5),
+    Pleats(zigzag=3.0),
+    Pleats(stretch=1.3),
+    Pleats(zigzag=1.0, thickness=0.6),
+)
+_TURNS = (np.pi / 2, 0.0, np.pi / 4)
+# Good sheets among which the best is taken.
+_CHOICES = 2
+# What a good sheet covers and how far at most it is off its offsets, in steps.
+_COVERED = 0.99
+_OFF = 0.15
+# Sheets of more columns are tried with this number first.
+_FIRST_COLUMNS = 24
+_MOST_COLUMNS = 400
+# A surface is halved at most so often.
+_MOST_HALVINGS = 3
+
+
+@dataclass(frozen=True)
+class SurfaceSheet:
+    """One sheet on its part of the surface.
+
+    Attributes
+    ----------
+    mesh : the sheet. part : the surface that it was made for.
+    status, advice : how relaxation ended. rounds : of it.
+    deviations : signed distances of vertices from their offsets, in the surface's units, shape
+        (n,); positive on the side of its normals.
+    coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
+    least_sector : smallest sector angle, radians.
+    step : unit of the cell. pleats, turn : what was chosen.
+    """
+
+    mesh: QuadMesh
+    part: TriangleMesh
+    status: RelaxationStatus
+    advice: str
+    rounds: int
+    deviations: FloatArray
+    coverage: float
+    crossings: int
+    least_sector: float
+    step: float
+    pleats: Pleats
+    turn: float
+
+    @property
+    def good(self) -> bool:
+        """Whether it can be made and follows its surface."""
+        return self.faults == 0
+
+    @property
+    def faults(self) -> float:
+        """How much is wrong with it: 0 of a good one."""
+        inexact = self.status is not RelaxationStatus.RELAXED
+        off = float(np.abs(self.deviations).max(initial=0.0)) / self.step
+        return (
+            100.0 * inexact
+            + self.crossings
+            + 100 * max(0.0, _COVERED - self.coverage)
+            + 10 * max(0.0, off - _OFF)
+        )
+
+
+@dataclass(frozen=True)
+class SurfaceSheets:
+    """All sheets of a surface, and the share of it that they cover together."""
+
+    sheets: tuple[SurfaceSheet, ...]
+    coverage: float
+
+    @property
+    def good(self) -> bool:
+        """Whether all of them are."""
+        return all(sheet.good for sheet in self.sheets)
+
+
+def surface_sheets(
+    mesh: TriangleMesh,
+    columns: int,
+    *,
+    pleats: Sequence[Pleats] = _PLEATS,
+    turns: Sequence[float] = _TURNS,
+    wishes: Wishes | None = None,
+    most_sheets: int = 2**_MOST_HALVINGS,
+    progress: Callable[[int, int], None] | None = None,
+    interrupted: Callable[[], bool] | None = None,
+) -> SurfaceSheets:
+    """Sheets that cover a surface.
+
+    Parameters
+    ----------
+    columns : faces across the map of the surface along the lines of the sheet, or around a tube.
+    pleats, turns : what is tried; turns are directions of the lines, radians from the longest
+        extent of the map.
+    wishes : soft terms; None for the usual ones.
+    most_sheets : 1 for one that is not halved, good or not.
+    progress : called with the number of settings tried and about how many there are.
+    interrupted : asked between rounds; once it is true the best so far is returned.
+
+    Raises `InvalidValue` for numbers out of bounds and `InvalidState` where no sheet can begin.
+
+    >>> from solver.relaxation.laying import Pleats
+    >>> y, x = np.mgrid[-1:1:17j, -1:1:17j].reshape(2, -1)
+    >>> dome = np.column_stack([x, y, 0.4 * (2 - x**2 - y**2)])
+    >>> k = np.arange(17 * 16).reshape(16, 17)[:, :-1].ravel()
+    >>> triangles = np.concatenate([np.stack(c, 1) for c in ((k, k + 1, k + 18), (k, k + 18, k + 17))])
+    >>> found = surface_sheets(TriangleMesh.of(dome, triangles), 10, turns=[0.0])
+    >>> found.good, len(found.sheets), found.coverage > 0.99
+    (True, 1, True)
+    """
+    require_count("columns", columns, 4, "A sheet needs vertices to follow a surface.")
+    if columns > _MOST_COLUMNS:
+        raise InvalidValue(
+            "columns", columns, f"be at most {_MOST_COLUMNS}", "More would take hours."
+        )
+    require_count("most_sheets", most_sheets, 1, "The surface needs one.")
+    search = _Search(tuple(pleats), tuple(turns), wishes or Wishes(), progress, interrupted)
+    sheets = tuple(search.sheets_of(mesh, columns, most_sheets))
+    target = MeshTarget(mesh)
+    reach = 2 * max(sheet.step * sheet.pleats.thickness for sheet in sheets)
+    under = covered(
+        target, [(s.mesh.vertices_coords, s.mesh.faces_vertices) for s in sheets], reach
+    )
+    return SurfaceSheets(sheets, float(under.mean()))
+
+
+@dataclass
+class _Search:
+    pleats: tuple[Pleats, ...]
+    turns: tuple[float, ...]
+    wishes: Wishes
+    progress: Callable[[int, int], None] | None
+    interrupted: Callable[[], bool] | None
+    tried: int = 0
+
+    def sheets_of(self, mesh: TriangleMesh, columns: int, most: int) -> list[SurfaceSheet]:
+        """The best single sheet, or those of the halves where it is not good."""
+        if mesh.kind is MeshKind.SPHERE:
+            if most < 2:
+                raise InvalidState(
+                    "surface",
+                    "a closed surface cannot be covered by one sheet",
+                    "Allow two sheets, or cut it to a tube.",
+                )
+            return self._halved(mesh, columns, most)
+        whole = opened(mesh) or mesh
+        best = self._best(whole, columns)
+        if best is not None and (best.good or most < 2 or self._stopped()):
+            return [best]
+        parts = self._halved(mesh, columns, most) if most > 1 else []
+        if best is None and not parts:
+            raise InvalidState(
+                "surface", "no sheet can begin on it", "Try more columns, or a part of it."
+            )
+        if best is None or (parts and sum(p.faults for p in parts) < best.faults):
+            return parts
+        return [best]
+
+    def _halved(self, mesh: TriangleMesh, columns: int, most: int) -> list[SurfaceSheet]:
+        parts = halves(mesh)
+        if not 2 <= len(parts) <= most:
+            return []
+        found = []
+        for part in parts:
+            share = max(4, round(columns * np.sqrt(part.area / mesh.area)))
+            found += self.sheets_of(part, share, most // 2)
+        return found
+
+    def _best(self, mesh: TriangleMesh, columns: int) -> SurfaceSheet | None:
+        """The best sheet of this many columns, found with fewer first where these are many."""
+        few = min(columns, _FIRST_COLUMNS)
+        kinds = [kind for kind in (_tube, _patch) if kind is _patch or mesh.kind is MeshKind.RING]
+        ranked: list[tuple[float, float, SurfaceSheet, _Lay]] = []
+        for lay in (_Lay.of(kind, mesh) for kind in kinds):
+            if lay is None:
+                continue
+            for pleats, turn in self._settings(lay):
+                sheet = self._tried(lay, few, pleats, turn)
+                if sheet is not None:
+                    ranked.append((sheet.faults, -sheet.least_sector, sheet, lay))
+                if self._stopped() or sum(r[0] == 0 for r in ranked) >= _CHOICES:
+                    break
+            if any(r[0] == 0 for r in ranked):
+                break
+        ranked.sort(key=lambda r: r[:2])
+        if few == columns or not ranked:
+            return ranked[0][2] if ranked else None
+        best: SurfaceSheet | None = None
+        for _, _, coarse, lay in ranked[:3]:
+            sheet = self._tried(lay, columns, coarse.pleats, coarse.turn)
+            if sheet is not None and (best is None or sheet.faults < best.faults):
+                best = sheet
+            if best is not None and (best.good or self._stopped()):
+                break
+        return best
+
+    def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
+        for pleats in self.pleats:
+            for turn in self.turns if lay.turns else self.turns[:1]:
+                yield pleats, turn
+
+    def _tried(self, lay: _Lay, columns: int, pleats: Pleats, turn: float) -> SurfaceSheet | None:
+        self.tried += 1
+        if self.progress is not None:
+            total = len(self.pleats) * len(self.turns)
+            self.progress(min(self.tried, total), total)
+        try:
+            sheet = lay.sheet(columns, pleats, turn)
+            fine = (columns / _FIRST_COLUMNS) ** 2
+            wishes = replace(
+                self.wishes,
+                side=self.wishes.side / max(1.0, fine),
+                least=self.wishes.least * min(max(1.0, fine), 4.0),
+                fold=self.wishes.fold * min(max(1.0, fine), 4.0),
+            )
+            fit = relaxed_sheet(
+                lay.target,
+                sheet,
+                wishes,
+                rim=rim_planes(lay.target, sheet),
+                interrupted=self.interrupted,
+            )
+        except InvalidState:
+            return None
+        mesh = fit.mesh if sheet.closed else trimmed(lay.target, fit.mesh)
+        thickness = sheet.cell.thickness
+        held = [(mesh.vertices_coords, mesh.faces_vertices)]
+        return SurfaceSheet(
+            mesh,
+            lay.target.mesh,
+            fit.relaxation.status,
+            fit.relaxation.advice,
+            fit.relaxation.rounds,
+            fit.deviations * sheet.cell.step,
+            float(covered(lay.target, held, 2 * thickness).mean()),
+            len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
+            _least_sector(mesh),
+            sheet.cell.step / pleats.stretch,
+            pleats,
+            turn,
+        )
+
+    def _stopped(self) -> bool:
+        return self.interrupted is not None and self.interrupted()
+
+
+@dataclass(frozen=True)
+class _Lay:
+    """A surface with its map, on which sheets are laid."""
+
+    target: MeshTarget
+    turns: bool
+    sheet: Callable[[int, Pleats, float], PleatedSheet]
+
+    @staticmethod
+    def of(kind: Callable[[TriangleMesh], _Lay | None], mesh: TriangleMesh) -> _Lay | None:
+        """That of a patch or of a tube; None where there is no map."""
+        try:
+            return kind(mesh)
+        except InvalidState:
+            return None
+
+
+def _patch(mesh: TriangleMesh) -> _Lay:
+    corners = disc_map(mesh)
+    target, along = MeshTarget(mesh, corners), principal_turn(corners)
+    return _Lay(target, True, lambda n, pleats, turn: laid_patch(target, n, pleats, along + turn))
+
+
+def _tube(mesh: TriangleMesh) -> _Lay:
+    corners, period = cylinder_map(mesh)
+    target = MeshTarget(mesh, corners)
+    return _Lay(target, False, lambda n, pleats, _: laid_tube(target, period, n, pleats))
+
+
+def _least_sector(mesh: QuadMesh) -> float:
+    corners = mesh.vertices_coords[mesh.faces_vertices]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    cosine = (ahead * back).sum(axis=2) / np.sqrt((ahead**2).sum(axis=2) * (back**2).sum(axis=2))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)).min())
