@@ -30,6 +30,7 @@ class Status(StrEnum):
     CORNER_NOT_CONVEX = "corner_not_convex"
     CORNER_NOT_MATCHED = "corner_not_matched"
     COVERED = "covered"
+    NOT_FITTED = "not_fitted"
 
 
 # More would not fit into the memory of a common machine.
@@ -80,6 +81,8 @@ class Growth:
     strips : how many were grown; status : how growth ended; advice : empty where it is GROWN.
     coverage : share of a target's domain that the sheet covers; None where there is no target.
     chosen : what the design chose where it was left free, by name.
+    deviations : signed distances of vertices from their offsets of a target, where the sheet was
+        relaxed onto it; None where it was grown, exactly on them.
     """
 
     mesh: QuadMesh
@@ -88,6 +91,7 @@ class Growth:
     advice: str = ""
     coverage: float | None = None
     chosen: Mapping[str, float] = field(default_factory=dict)
+    deviations: FloatArray | None = None
 
 
 def grow(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from solver.targets.mesh_target import MeshTarget
-from solver.targets.triangle_mesh import TriangleMesh
+from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
 __all__ = ["covered", "surface_samples"]
@@ -15,7 +15,7 @@ _SAMPLES = 4000
 _EVEN = np.array([0.7548776662466927, 0.5698402909980532])
 
 
-def surface_samples(mesh: TriangleMesh, count: int = _SAMPLES) -> tuple[IntArray, FloatArray]:
+def surface_samples(mesh: SurfaceMesh, count: int = _SAMPLES) -> tuple[IntArray, FloatArray]:
     """Places spread over a surface by area: faces (n,), and weights of their corners (n, 3).
 
     The same ones each time; n is `count`.

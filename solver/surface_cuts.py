@@ -1,11 +1,12 @@
-"""Surfaces cut by a plane: into parts, or open along one line, where a single sheet does not reach."""
+"""Surfaces cut by a plane: into parts, or open along one line, where one sheet does not reach."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from solver.graphs import labels
-from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh, corner_labels
+from solver.targets.triangles import triangle_edges
 from solver.vectors import FloatArray, IntArray, cross, norm
 
 __all__ = ["halves", "opened"]
@@ -17,7 +18,7 @@ _CRUMB = 1e-3
 _DIRECTIONS = 3
 
 
-def halves(mesh: TriangleMesh) -> list[TriangleMesh]:
+def halves(mesh: SurfaceMesh) -> list[SurfaceMesh]:
     """The parts on both sides of a plane through the middle of a surface, largest first.
 
     The plane is across the direction in which the surface reaches furthest, or for a closed one,
@@ -25,10 +26,10 @@ def halves(mesh: TriangleMesh) -> list[TriangleMesh]:
     """
     axes = _principal_axes(mesh)
     axis = axes[0] if mesh.boundary_loops else axes[2]
-    return _pieces(*_sliced(mesh, axis))
+    return _pieces(*_sliced(mesh, axis)[:3])
 
 
-def opened(mesh: TriangleMesh) -> TriangleMesh | None:
+def opened(mesh: SurfaceMesh) -> SurfaceMesh | None:
     """A torus cut to a tube, or a one-sided band cut to a strip, along one line; None if not.
 
     Of the lines in which planes through the middle meet the surface, the shortest after which the
@@ -37,17 +38,17 @@ def opened(mesh: TriangleMesh) -> TriangleMesh | None:
     wanted = {MeshKind.TORUS: MeshKind.RING, MeshKind.MOEBIUS: MeshKind.DISC}.get(mesh.kind)
     if wanted is None:
         return None
-    found: list[tuple[float, TriangleMesh]] = []
+    found: list[tuple[float, SurfaceMesh]] = []
     for axis in _principal_axes(mesh):
         coords, faces, side, on = _sliced(mesh, axis)
-        for line in np.unique(_lines(coords, faces, side, on)[on]):
-            cut = _cut_along(coords, faces, side, on, _lines(coords, faces, side, on), int(line))
+        for line in np.unique(_lines(coords, faces, on)[on]):
+            cut = _cut_along(coords, faces, side, on, _lines(coords, faces, on), int(line))
             if cut is not None and cut[1].kind is wanted:
                 found.append(cut)
     return min(found, key=lambda pair: pair[0])[1] if found else None
 
 
-def _principal_axes(mesh: TriangleMesh) -> FloatArray:
+def _principal_axes(mesh: SurfaceMesh) -> FloatArray:
     """Directions of the surface's extent by area, the longest first, shape (3, 3)."""
     weight = norm(mesh.doubled_areas)
     middle = mesh.vertices_coords[mesh.faces_vertices].mean(axis=1)
@@ -59,9 +60,7 @@ def _principal_axes(mesh: TriangleMesh) -> FloatArray:
     return np.asarray(axes * np.where(largest < 0, -1.0, 1.0)[:, None])
 
 
-def _sliced(
-    mesh: TriangleMesh, axis: FloatArray
-) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
+def _sliced(mesh: SurfaceMesh, axis: FloatArray) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
     """Triangles cut by the plane across `axis` through the median of area.
 
     Returns vertices, faces, the side of each face (0 or 1), and which vertices are on the plane.
@@ -94,7 +93,7 @@ def _sliced(
     return coords, np.array(faces, np.int64), np.array(side), on
 
 
-def _lines(coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray) -> IntArray:
+def _lines(coords: FloatArray, faces: IntArray, on: IntArray) -> IntArray:
     """Labels of the lines in which the plane meets the surface, of all vertices."""
     flat = np.zeros(len(coords), bool)
     flat[on] = True
@@ -104,7 +103,7 @@ def _lines(coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray) ->
 
 def _cut_along(
     coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray, line: IntArray, which: int
-) -> tuple[float, TriangleMesh] | None:
+) -> tuple[float, SurfaceMesh] | None:
     """The surface with the vertices of one line doubled, and the line's length."""
     cut = np.zeros(len(coords), bool)
     cut[on] = line[on] == which
@@ -119,51 +118,38 @@ def _cut_along(
     return (length, pieces[0]) if len(pieces) == 1 else None
 
 
-def _pieces(
-    coords: FloatArray, faces: IntArray, side: IntArray, on: IntArray
-) -> list[TriangleMesh]:
+def _pieces(coords: FloatArray, faces: IntArray, side: IntArray) -> list[SurfaceMesh]:
     found = [piece for k in (0, 1) for piece in _components(coords, faces[side == k])]
     total = sum(piece.area for piece in found)
     found = [piece for piece in found if piece.area > _CRUMB * total]
     return sorted(found, key=lambda piece: -piece.area)
 
 
-def _components(coords: FloatArray, faces: IntArray) -> list[TriangleMesh]:
+def _components(coords: FloatArray, faces: IntArray) -> list[SurfaceMesh]:
     """Connected surfaces of triangles, without those of no area; they may touch at vertices."""
     height = norm(
         cross(coords[faces[:, 1]] - coords[faces[:, 0]], coords[faces[:, 2]] - coords[faces[:, 0]])
     )
     faces = faces[height > 1e-12 * height.max()]
-    return _separate(coords, faces)
-
-
-def _separate(coords: FloatArray, faces: IntArray) -> list[TriangleMesh]:
-    from solver.targets.triangle_mesh import corner_labels
-    from solver.targets.triangles import triangle_edges
-
     _, faces_edges = triangle_edges(faces, len(coords))
     half = np.argsort(faces_edges.ravel(), kind="stable")
     edge = faces_edges.ravel()[half]
-    first = np.ones(len(edge), bool)
-    first[1:] = edge[1:] != edge[:-1]
-    edges_faces = np.full((int(edge.max()) + 1, 2), -1)
-    edges_faces[edge[first], 0] = half[first] // 3
-    edges_faces[edge[~first], 1] = half[~first] // 3
-    group = labels(edges_faces[edges_faces[:, 1] >= 0], len(faces))
-    corners = corner_labels(faces, faces_edges, edges_faces).reshape(-1, 3)
+    paired = np.flatnonzero(edge[1:] == edge[:-1])
+    halves = np.column_stack([half[paired], half[paired + 1]])
+    group = labels(halves // 3, len(faces))
+    corners = corner_labels(faces, halves).reshape(-1, 3)
     out = []
     for piece in range(int(group.max()) + 1):
-        mine = corners[group == piece]
-        names, numbers = np.unique(mine, return_inverse=True)
+        names, numbers = np.unique(corners[group == piece], return_inverse=True)
         where = np.empty((len(names), 3))
         where[numbers.ravel()] = coords[faces[group == piece].ravel()]
-        out.append(TriangleMesh.of(where, _wound(numbers.reshape(-1, 3), where)))
+        out.append(SurfaceMesh.of(where, _wound(numbers.reshape(-1, 3), where)))
     return out
 
 
 def _wound(faces: IntArray, coords: FloatArray) -> IntArray:
     """Faces turned so that neighbours agree, where that can be: as most of them are."""
-    mesh = TriangleMesh(coords.copy(), faces.copy())
+    mesh = SurfaceMesh(coords.copy(), faces.copy())
     if not mesh.orientable or mesh.wound.all():
         return faces
     flip = mesh.sides[:, 0] != mesh.sides[0, 0]

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 
 from solver.errors import InvalidState
 from solver.graphs import labels
-from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import FloatArray, IntArray, dot, norm, unit
 
 __all__ = ["cylinder_map", "disc_map", "principal_turn"]
@@ -31,14 +31,14 @@ _EVENINGS = 40
 _STATIONS = 64
 
 
-def disc_map(mesh: TriangleMesh) -> FloatArray:
+def disc_map(mesh: SurfaceMesh) -> FloatArray:
     """Flat coordinates of the corners of all faces, shape (nf, 3, 2), in the mesh's own lengths.
 
-    Faces keep their winding; holes stay holes. Raises `InvalidState` for a mesh that is no disc, and
-    for one with holes whose conformal map folds over.
+    Faces keep their winding; holes stay holes. Raises `InvalidState` for a mesh that is no disc,
+    and for one with holes whose conformal map folds over.
 
     >>> corners = np.array([[0.0, 0, 0], [2, 0, 0], [2, 0, 1], [0, 0, 1]])
-    >>> flat = disc_map(TriangleMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]])))
+    >>> flat = disc_map(SurfaceMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]])))
     >>> sides = flat[:, [1, 2, 0]] - flat
     >>> np.hypot(sides[0, :, 0], sides[0, :, 1]).round(6).tolist()
     [2.0, 1.0, 2.236068]
@@ -70,12 +70,13 @@ def disc_map(mesh: TriangleMesh) -> FloatArray:
     return np.asarray(size * flat[faces])
 
 
-def cylinder_map(mesh: TriangleMesh) -> tuple[FloatArray, float]:
+def cylinder_map(mesh: SurfaceMesh) -> tuple[FloatArray, float]:
     """Coordinates around and along a ring, shape (nf, 3, 2), and the period around it.
 
     Along it, the longer rim lies at 0 and the other one at the mean length of the way between
     them. Around it, the period is the mean girth. Within these, triangles keep their own shapes as
-    well as they can. Each face's corners are near one another, their mean within one period. Raises `InvalidState` for other meshes.
+    well as they can. Each face's corners are near one another, their mean within one period.
+    Raises `InvalidState` for other meshes.
     """
     import igl
 
@@ -165,7 +166,7 @@ def _dirichlet(stiff: Any, fixed: IntArray, values: FloatArray) -> FloatArray:
     return out
 
 
-def _beyond_cut(mesh: TriangleMesh, first: IntArray, last: IntArray) -> FloatArray:
+def _beyond_cut(mesh: SurfaceMesh, first: IntArray, last: IntArray) -> FloatArray:
     """Which corners of faces lie beyond a cut between the rims, 0 or 1, shape (nf, 3).
 
     The cut is a shortest way along edges. Corners on it count as beyond it in the faces that touch
@@ -193,12 +194,9 @@ def _beyond_cut(mesh: TriangleMesh, first: IntArray, last: IntArray) -> FloatArr
     walls = np.zeros(len(ends), bool)
     for k, (a, b) in enumerate(ends.tolist()):
         walls[k] = (a, b) in steps or (b, a) in steps
-    beside = mesh.edges_faces[~walls & ~mesh.rim_edges]
-    beside = beside[(rank[beside] >= 0).all(axis=1)]
-    shared = on_way[ends[~walls & ~mesh.rim_edges]].any(axis=1)[
-        (rank[mesh.edges_faces[~walls & ~mesh.rim_edges]] >= 0).all(axis=1)
-    ]
-    group = labels(rank[beside[shared]], len(touching))
+    inner = ~walls & ~mesh.rim_edges & on_way[ends].any(axis=1)
+    beside = rank[mesh.edges_faces[inner]]
+    group = labels(beside[(beside >= 0).all(axis=1)], len(touching))
     right = np.zeros(len(touching), bool)
     for face in touching.tolist():
         corners = faces[face].tolist()

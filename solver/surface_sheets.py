@@ -31,21 +31,24 @@ from solver.surface_cover import covered
 from solver.surface_cuts import halves, opened
 from solver.surface_maps import cylinder_map, disc_map, principal_turn
 from solver.targets.mesh_target import MeshTarget
-from solver.targets.triangle_mesh import MeshKind, TriangleMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import FloatArray
 
-__all__ = ["SurfaceSheet", "SurfaceSheets", "surface_sheets"]
+__all__ = ["PLEATS", "TURNS", "SurfaceSheet", "SurfaceSheets", "surface_sheets"]
 
 # Cells that are tried, the most usual first, and directions from the map's longest extent.
-_PLEATS = (
+PLEATS = (
     Pleats(),
     Pleats(zigzag=1.0),
+    Pleats(zigzag=0.7),
     Pleats(spacing=1.5),
     Pleats(zigzag=3.0),
     Pleats(stretch=1.3),
     Pleats(zigzag=1.0, thickness=0.6),
+    Pleats(zigzag=0.5),
+    Pleats(zigzag=0.5, stretch=1.25),
 )
-_TURNS = (np.pi / 2, 0.0, np.pi / 4)
+TURNS = (np.pi / 2, 0.0, np.pi / 4)
 # Good sheets among which the best is taken.
 _CHOICES = 2
 # What a good sheet covers and how far at most it is off its offsets, in steps.
@@ -74,7 +77,7 @@ class SurfaceSheet:
     """
 
     mesh: QuadMesh
-    part: TriangleMesh
+    part: SurfaceMesh
     status: RelaxationStatus
     advice: str
     rounds: int
@@ -118,11 +121,11 @@ class SurfaceSheets:
 
 
 def surface_sheets(
-    mesh: TriangleMesh,
+    mesh: SurfaceMesh,
     columns: int,
     *,
-    pleats: Sequence[Pleats] = _PLEATS,
-    turns: Sequence[float] = _TURNS,
+    pleats: Sequence[Pleats] = PLEATS,
+    turns: Sequence[float] = TURNS,
     wishes: Wishes | None = None,
     most_sheets: int = 2**_MOST_HALVINGS,
     progress: Callable[[int, int], None] | None = None,
@@ -146,8 +149,9 @@ def surface_sheets(
     >>> y, x = np.mgrid[-1:1:17j, -1:1:17j].reshape(2, -1)
     >>> dome = np.column_stack([x, y, 0.4 * (2 - x**2 - y**2)])
     >>> k = np.arange(17 * 16).reshape(16, 17)[:, :-1].ravel()
-    >>> triangles = np.concatenate([np.stack(c, 1) for c in ((k, k + 1, k + 18), (k, k + 18, k + 17))])
-    >>> found = surface_sheets(TriangleMesh.of(dome, triangles), 10, turns=[0.0])
+    >>> corners = (k, k + 1, k + 18), (k, k + 18, k + 17)
+    >>> triangles = np.concatenate([np.stack(c, axis=1) for c in corners])
+    >>> found = surface_sheets(SurfaceMesh.of(dome, triangles), 10, turns=[0.0])
     >>> found.good, len(found.sheets), found.coverage > 0.99
     (True, 1, True)
     """
@@ -176,7 +180,7 @@ class _Search:
     interrupted: Callable[[], bool] | None
     tried: int = 0
 
-    def sheets_of(self, mesh: TriangleMesh, columns: int, most: int) -> list[SurfaceSheet]:
+    def sheets_of(self, mesh: SurfaceMesh, columns: int, most: int) -> list[SurfaceSheet]:
         """The best single sheet, or those of the halves where it is not good."""
         if mesh.kind is MeshKind.SPHERE:
             if most < 2:
@@ -199,7 +203,7 @@ class _Search:
             return parts
         return [best]
 
-    def _halved(self, mesh: TriangleMesh, columns: int, most: int) -> list[SurfaceSheet]:
+    def _halved(self, mesh: SurfaceMesh, columns: int, most: int) -> list[SurfaceSheet]:
         parts = halves(mesh)
         if not 2 <= len(parts) <= most:
             return []
@@ -209,7 +213,7 @@ class _Search:
             found += self.sheets_of(part, share, most // 2)
         return found
 
-    def _best(self, mesh: TriangleMesh, columns: int) -> SurfaceSheet | None:
+    def _best(self, mesh: SurfaceMesh, columns: int) -> SurfaceSheet | None:
         """The best sheet of this many columns, found with fewer first where these are many."""
         few = min(columns, _FIRST_COLUMNS)
         kinds = [kind for kind in (_tube, _patch) if kind is _patch or mesh.kind is MeshKind.RING]
@@ -238,7 +242,9 @@ class _Search:
         return best
 
     def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
-        for pleats in self.pleats:
+        # around a tube small zigzags reach furthest
+        order = self.pleats if lay.turns else sorted(self.pleats, key=lambda one: one.zigzag)
+        for pleats in order:
             for turn in self.turns if lay.turns else self.turns[:1]:
                 yield pleats, turn
 
@@ -296,7 +302,7 @@ class _Lay:
     sheet: Callable[[int, Pleats, float], PleatedSheet]
 
     @staticmethod
-    def of(kind: Callable[[TriangleMesh], _Lay | None], mesh: TriangleMesh) -> _Lay | None:
+    def of(kind: Callable[[SurfaceMesh], _Lay | None], mesh: SurfaceMesh) -> _Lay | None:
         """That of a patch or of a tube; None where there is no map."""
         try:
             return kind(mesh)
@@ -304,13 +310,13 @@ class _Lay:
             return None
 
 
-def _patch(mesh: TriangleMesh) -> _Lay:
+def _patch(mesh: SurfaceMesh) -> _Lay:
     corners = disc_map(mesh)
     target, along = MeshTarget(mesh, corners), principal_turn(corners)
     return _Lay(target, True, lambda n, pleats, turn: laid_patch(target, n, pleats, along + turn))
 
 
-def _tube(mesh: TriangleMesh) -> _Lay:
+def _tube(mesh: SurfaceMesh) -> _Lay:
     corners, period = cylinder_map(mesh)
     target = MeshTarget(mesh, corners)
     return _Lay(target, False, lambda n, pleats, _: laid_tube(target, period, n, pleats))

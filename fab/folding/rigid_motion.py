@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import counted, first_few
-from fab.folding.bar_hinge_model import Framework, framework, hinge_angles, wrapped
+from fab.folding.bar_hinge_model import Framework, framework, wrapped
 from fab.folding.freedom import Freedom, freedom_of
 from fab.folding.quasi_static import path_at
 from fab.folding.rigid_creases import (
@@ -31,6 +31,7 @@ from fab.folding.rigid_creases import (
 from fab.folding.target_forms import target_form
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.kinematics import unknown_angles
+from solver.hinge_angles import hinge_angles
 from solver.vectors import FloatArray
 
 __all__ = ["RigidMotion", "RigidVerdict", "rigid_motion"]

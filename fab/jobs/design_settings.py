@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import Enum
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol, get_origin, get_type_hints
 
 from pydantic import Field, create_model
 
-from fab.errors import InvalidJob, did_you_mean
+from fab.errors import Finding, InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.settings import Settings
 from solver import DESIGNS, Growth
 from solver.designs.surface_fit import SURFACES
 from solver.targets.base import Target
+from solver.targets.surface_mesh import SurfaceMesh
 
 __all__ = ["SHIPPED_DESIGNS", "DesignSettings", "GrowingDesign", "design_key", "design_settings"]
 
@@ -41,23 +42,24 @@ class DesignSettings(Settings):
     design_class: ClassVar[type[Any]]
     code: ClassVar[str | None] = None
 
-    def design(self, folder: Path) -> GrowingDesign:
-        """The design with these parameters, angles in radians.
+    def design(self, folder: Path) -> tuple[GrowingDesign, tuple[Finding, ...]]:
+        """The design with these parameters, angles in radians, and findings of files it reads.
 
         folder : where files that the job names are looked for. Raises `InvalidFile` for files that
         cannot be used.
         """
         values = self.model_dump()
         given = {}
+        findings: tuple[Finding, ...] = ()
         for field in _fields(self.design_class):
             value = values[design_key(field)]
             if _is_angle(field) and value is not None:
                 value = _each(math.radians, value)
             elif _is_target(field):
-                value = _target(value, values["face"], values["up"], folder)
+                value, findings = _target(value, values, folder)
             given[field.name] = value
         design: GrowingDesign = self.design_class(**given)
-        return design
+        return design, findings
 
     @classmethod
     def keys(cls) -> dict[str, str]:
@@ -65,13 +67,23 @@ class DesignSettings(Settings):
         return {field.name: design_key(field) for field in _fields(cls.design_class)}
 
 
-def _target(surface: str, face: int | None, up: list[float] | None, folder: Path) -> str | Target:
-    """A surface by name, or from a file, which has an ending."""
+def _target(
+    surface: str, values: Mapping[str, Any], folder: Path
+) -> tuple[str | Target | SurfaceMesh, tuple[Finding, ...]]:
+    """A surface by name, or from a file, which has an ending, and findings of the file.
+
+    Sheets are grown on surfaces that are seen from above (`up`), and relaxed onto any other.
+    """
+    face, up = values["face"], values["up"]
     if Path(surface).suffix:
+        if values.get("method", "grow") != "grow" and up is None:
+            from fab.surfaces.reading import read_surface_mesh
+
+            clean = read_surface_mesh(folder / surface, face)
+            return clean.mesh, clean.findings
         from fab.formats.meshes.surface import read_surface
 
-        target: Target = read_surface(folder / surface, face, up)
-        return target
+        return read_surface(folder / surface, face, up), ()
     if face is not None or up is not None:
         raise InvalidJob(
             f"design.face = {face} and design.up = {up} must be left out for surface = "
@@ -81,10 +93,10 @@ def _target(surface: str, face: int | None, up: list[float] | None, folder: Path
     if surface not in SURFACES:
         raise InvalidJob(
             f"design.surface = {shortened(surface)!r} must be one of {', '.join(SURFACES)}, or a "
-            "file that ends in .stl, .obj, .ply, .step or .stp."
+            "file that ends in .stl, .obj, .ply, .off, .3mf, .glb, .step or .stp."
             f"{did_you_mean(surface, SURFACES, 0.4)}"
         )
-    return surface
+    return surface, ()
 
 
 def _fields(cls: type[Any]) -> list[dataclasses.Field[Any]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.jobs.job import Job, SheetSize
@@ -13,7 +14,7 @@ from fab.progress import Clock, Progress, silent
 from solver import Growth, InvalidValue, QuadMesh, Status
 from solver.vectors import IntArray
 
-__all__ = ["grown", "grown_pattern", "growth_findings", "overlap_findings", "unfolded"]
+__all__ = ["Grown", "grown", "grown_pattern", "growth_findings", "overlap_findings", "unfolded"]
 
 # A sheet that covers less of its surface gets a finding.
 _COVERED = 0.95
@@ -23,18 +24,30 @@ def grown_pattern(
     job: Job, progress: Progress = silent
 ) -> tuple[CreasePattern, tuple[Finding, ...]]:
     """The crease pattern of a job, and the findings of its growth. Raises as `make`."""
-    growth, _, pattern, _ = grown(job, Clock(progress))
-    return pattern, tuple(growth_findings(growth))
+    found = grown(job, Clock(progress))
+    return found.pattern, (*found.findings, *growth_findings(found.growth))
 
 
-def grown(job: Job, clock: Clock) -> tuple[Growth, QuadMesh, CreasePattern, IntArray]:
-    """The growth of a job, and what `unfolded` makes of its mesh."""
+@dataclass(frozen=True)
+class Grown:
+    """The growth of a job, what `unfolded` makes of its mesh, and findings of files it reads."""
+
+    growth: Growth
+    mesh: QuadMesh
+    pattern: CreasePattern
+    overlaps: IntArray
+    findings: tuple[Finding, ...]
+
+
+def grown(job: Job, clock: Clock) -> Grown:
+    """Grow a job's sheet and unfold it."""
     with clock.stage("grow") as step, _named(job):
-        growth = job.design.design(job.folder).grow(step)
+        design, findings = job.design.design(job.folder)
+        growth = design.grow(step)
         if not isinstance(growth, Growth):
             raise InvalidJob(f"design: `grow` must return a Growth, not {type(growth).__name__}.")
     with clock.stage("develop"), _named(job):
-        return growth, *unfolded(growth.mesh, job.sheet)
+        return Grown(growth, *unfolded(growth.mesh, job.sheet), findings)
 
 
 def unfolded(mesh: QuadMesh, size: SheetSize) -> tuple[QuadMesh, CreasePattern, IntArray]:
@@ -66,15 +79,19 @@ def _named(job: Job) -> Iterator[None]:
 def growth_findings(growth: Growth) -> list[Finding]:
     """Growth that stopped early, and surfaces that are not covered."""
     findings = []
-    if growth.status != Status.GROWN:
+    if growth.status is Status.NOT_FITTED:
+        findings.append(Finding("surface-not-followed", Severity.ERROR, growth.advice))
+    elif growth.status != Status.GROWN:
         strips = counted(growth.strips, "strip")
         text = f"growth stopped after {strips} ({growth.status}). {growth.advice}"
         findings.append(Finding("growth-stopped", Severity.ERROR, text))
     if growth.coverage is not None and growth.coverage < _COVERED:
-        text = (
-            f"{growth.coverage:.1%} of the surface is under the sheet. trim = true begins with a "
-            "longer seed; another zigzag, row_step or turn_deg may help."
+        cure = (
+            "trim = true begins with a longer seed; another zigzag, row_step or turn_deg may help."
+            if growth.deviations is None
+            else "More columns, or another zigzag, row_step or turn_deg may help."
         )
+        text = f"{growth.coverage:.1%} of the surface is under the sheet. {cure}"
         findings.append(Finding("surface-not-covered", Severity.WARNING, text))
     return findings
 

@@ -17,8 +17,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fab import __version__
-from fab.errors import Finding
+from fab.errors import Finding, Severity, counted
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
@@ -29,6 +31,7 @@ from fab.progress import Clock, Progress, silent
 from fab.settings import checked
 from fab.sheets.perforation import perforate
 from solver import Growth, QuadMesh
+from solver.graphs import labels
 from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray, IntArray
 
@@ -62,6 +65,7 @@ class Sheet:
     settings : name, outputs, tolerance and the tables of a job.
     overlaps : pairs of faces that overlap when flat, shape (n, 2).
     growth : how the mesh was grown; None for a mesh of another origin.
+    findings : of files that were read for it.
     """
 
     mesh: QuadMesh
@@ -69,6 +73,7 @@ class Sheet:
     settings: SheetSettings
     overlaps: IntArray
     growth: Growth | None = None
+    findings: tuple[Finding, ...] = ()
 
     def make(self, formats: Iterable[str] | None = None, progress: Progress = silent) -> Made:
         """The sheet in each of `formats` as bytes, with the report of `make`.
@@ -104,8 +109,9 @@ def make(job: Job, formats: Iterable[str] | None = None, progress: Progress = si
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     clock = Clock(progress)
-    growth, mesh, pattern, overlaps = grown(job, clock)
-    return _made(Sheet(mesh, pattern, job, overlaps, growth), formats, clock)
+    found = grown(job, clock)
+    sheet = Sheet(found.mesh, found.pattern, job, found.overlaps, found.growth, found.findings)
+    return _made(sheet, formats, clock)
 
 
 def from_mesh(
@@ -195,7 +201,26 @@ def _growth(sheet: Sheet) -> _Part:
         "coverage": growth.coverage,
         "chosen": dict(growth.chosen),
     }
-    return _Part(findings=[*growth_findings(growth), *overlaps], report={"growth": report})
+    if growth.deviations is not None:
+        report["deviation"] = _deviation(growth.deviations * _mm_per_unit(sheet))
+    findings = [*sheet.findings, *growth_findings(growth), *overlaps]
+    return _Part(findings=findings, report={"growth": report})
+
+
+def _mm_per_unit(sheet: Sheet) -> float:
+    folded = sheet.pattern.folded_coords
+    assert folded is not None  # the mesh is the folded form
+    return float(np.ptp(folded, axis=0).max() / np.ptp(sheet.mesh.vertices_coords, axis=0).max())
+
+
+def _deviation(distances_mm: FloatArray) -> dict[str, float]:
+    """How far vertices are from their offsets of the surface, positive on its upper side."""
+    return {
+        "mean_mm": float(distances_mm.mean()),
+        "rms_mm": float(np.sqrt((distances_mm**2).mean())),
+        "lowest_mm": float(distances_mm.min()),
+        "highest_mm": float(distances_mm.max()),
+    }
 
 
 def _measures(sheet: Sheet, clock: Clock) -> _Part:
@@ -207,7 +232,15 @@ def _measures(sheet: Sheet, clock: Clock) -> _Part:
         crossings = crossing_faces(
             sheet.mesh.vertices_coords, pattern.faces_vertices, pattern.faces_offsets
         )
+        crossings, between = _by_pieces(pattern, crossings)
         findings += inspect_crossings(crossings)
+        if len(between):
+            pairs = counted(len(between), "pair")
+            text = (
+                f"sheets meet at their seams: {pairs} of faces of different sheets pass through "
+                "each other there, by no more than their pleats. Glue them edge to edge."
+            )
+            findings.append(Finding("sheets-meet", Severity.NOTE, text))
     counts = {
         "vertices": len(pattern.vertices_coords),
         "faces": pattern.face_count,
@@ -217,6 +250,14 @@ def _measures(sheet: Sheet, clock: Clock) -> _Part:
     return _Part(
         findings=findings, report={"counts": counts, **measures, "crossings": len(crossings)}
     )
+
+
+def _by_pieces(pattern: CreasePattern, pairs: IntArray) -> tuple[IntArray, IntArray]:
+    """Pairs of faces of the same piece of a sheet, and pairs of different ones."""
+    beside = pattern.edges_faces
+    piece = labels(beside[beside[:, 1] >= 0], pattern.face_count)
+    same = piece[pairs[:, 0]] == piece[pairs[:, 1]]
+    return pairs[same], pairs[~same]
 
 
 def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:

@@ -19,6 +19,7 @@ from fab.pattern.development import Development
 from solver.errors import InvalidState, require_positive
 from solver.graphs import labels
 from solver.mesh import Edges, QuadMesh
+from solver.polygons import face_normals
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, unit
 
 __all__ = [

@@ -12,14 +12,17 @@ from scipy.sparse.csgraph import dijkstra
 
 from fab.geometry.rings import by_size
 from fab.pattern.overlap import overlapping_faces
-from solver.errors import InvalidState, InvalidValue
-from solver.graphs import EdgeIndex
+from solver.errors import InvalidValue
+from solver.graphs import EdgeIndex, labels
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
 from solver.polygons import next_corner
 from solver.vectors import ComplexArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["Development", "develop"]
+
+# Distance of pieces that are laid side by side, in sizes of the largest.
+_GAP = 0.03
 
 
 @dataclass(frozen=True)
@@ -42,24 +45,81 @@ class Development:
 
 
 def develop(mesh: QuadMesh) -> Development:
-    """Unfold a patch rigidly, face by face along a tree that avoids short edges.
+    """Unfold a sheet rigidly, face by face along a tree that avoids short edges.
+
+    Sheets in several pieces are laid side by side, the largest first.
 
     Every face is laid down as it is, so nothing is fitted: where the mesh is developable the
     faces agree on their vertices, and `closure_max` says how well. Cost: O(nf log nf).
 
-    Raises `InvalidValue` for a mesh without faces or with a face without area, `InvalidState` for
-    one in several pieces.
+    Raises `InvalidValue` for a mesh without faces or with a face without area.
 
     >>> from solver import Miura
     >>> flat = develop(Miura(columns=4, rows=3).grow().mesh)
     >>> flat.isometry_max_rel < 1e-12, len(flat.overlaps)
     (True, 0)
     """
+    count = len(mesh.polygons[1]) - 1
+    if count == 0:
+        raise InvalidValue("faces", 0, "be at least 1", "Grow a strip before developing.")
+    beside = mesh.edges.edges_faces
+    piece = labels(beside[beside[:, 1] >= 0], count)
+    if not piece.any():
+        return _developed(mesh)
+    return _side_by_side(mesh, piece)
+
+
+def _side_by_side(mesh: QuadMesh, piece: IntArray) -> Development:
+    """Every piece unfolded, in shelves about as wide as all of them are high."""
+    corner, offsets = mesh.polygons
+    quads = len(mesh.faces_vertices)
+    flat = np.zeros((len(mesh.vertices_coords), 2))
+    parts, vertices, faces = [], [], []
+    for number in range(int(piece.max()) + 1):
+        mine = piece == number
+        used = np.unique(corner[np.repeat(mine, np.diff(offsets))])
+        rank = np.full(len(flat), -1)
+        rank[used] = np.arange(len(used))
+        part = QuadMesh(
+            mesh.vertices_coords[used],
+            rank[mesh.faces_vertices[mine[:quads]]],
+            np.empty((0, 0), np.int64),
+            pentagons=rank[mesh.pentagons[mine[quads:]]],
+        )
+        parts.append(_developed(part))
+        vertices.append(used)
+        faces.append(np.flatnonzero(mine))
+    sizes = np.array([part.vertices_coords.max(axis=0) for part in parts])
+    for number, corner_at in enumerate(_shelves(sizes)):
+        flat[vertices[number]] = parts[number].vertices_coords + corner_at
+    overlaps = [faces[k][part.overlaps] for k, part in enumerate(parts) if len(part.overlaps)]
+    return Development(
+        _upright(flat),
+        max(part.isometry_max_rel for part in parts),
+        max(part.closure_max for part in parts),
+        np.concatenate(overlaps) if overlaps else np.empty((0, 2), np.int64),
+    )
+
+
+def _shelves(sizes: FloatArray) -> FloatArray:
+    """Lower left corners of boxes of these sizes, in rows of falling height, shape (n, 2)."""
+    gap = _GAP * float(sizes.max())
+    width = max(float(sizes[:, 0].max()), float(np.sqrt((sizes + gap).prod(axis=1).sum())))
+    out = np.zeros_like(sizes)
+    x = y = high = 0.0
+    for number in np.argsort(-sizes[:, 1], kind="stable").tolist():
+        if x > 0 and x + sizes[number, 0] > width:
+            x, y, high = 0.0, y + high + gap, 0.0
+        out[number] = x, y
+        x, high = x + float(sizes[number, 0]) + gap, max(high, float(sizes[number, 1]))
+    return out
+
+
+def _developed(mesh: QuadMesh) -> Development:
+    """A sheet in one piece, unfolded."""
     coords = mesh.vertices_coords
     corner, offsets = mesh.polygons
     count, sizes = len(offsets) - 1, np.diff(offsets)
-    if count == 0:
-        raise InvalidValue("faces", 0, "be at least 1", "Grow a strip before developing.")
     local = _local_coordinates(coords, corner, offsets)
     centres = np.add.reduceat(coords[corner], offsets[:-1]) / sizes[:, None]
     root = int(np.argmin(norm(centres - coords.mean(axis=0))))
@@ -113,13 +173,6 @@ def _unfolding_tree(
     cost = length.max() / np.maximum(length, 1e-100 * length.max()) if len(length) else length
     graph = csr_array((cost, pairs), shape=(count, count))
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
-    if not np.isfinite(distance).all():
-        lost = np.flatnonzero(~np.isfinite(distance))
-        raise InvalidState(
-            "mesh",
-            f"the mesh is not in one piece: faces {root} and {lost[0]} are not connected",
-            "Develop each piece.",
-        )
     depth = np.full(count, -1)
     depth[root] = 0
     order = np.argsort(distance, kind="stable")

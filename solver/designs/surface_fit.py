@@ -10,11 +10,15 @@ import numpy as np
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.growth import Growth
+from solver.relaxed_fit import relaxed_fit, sampled
 from solver.targets.base import Target
 from solver.targets.parametric import ParametricSurface
+from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["SURFACES", "SurfaceFit"]
+
+_METHODS = ("auto", "grow", "relax")
 
 _ROUND = 0.75 * np.pi  # half of what the cylinders cover of a turn
 _TWIST = 0.75  # half of what the helicoid covers along its ruling and of its turn
@@ -86,11 +90,17 @@ SURFACES: dict[str, Target] = {
 
 @dataclass(frozen=True)
 class SurfaceFit:
-    """A sheet grown both ways from two zigzag strips across the middle of a surface.
+    """A sheet that follows a surface: grown on it, or relaxed onto it.
+
+    Grown: both ways from two zigzag strips across its middle, exactly between two offsets of it.
+    Relaxed: all vertices at once, near its offsets, on surfaces of any topology, with as many
+    sheets as it needs.
 
     Attributes
     ----------
-    surface : the target: a name of `SURFACES` (waves is figure 4A), or any `Target`.
+    surface : the target: a name of `SURFACES` (waves is figure 4A), any `Target`, or a
+        `SurfaceMesh`, which can only be relaxed onto.
+    method : grow, relax, or auto: a `SurfaceMesh` is relaxed onto, everything else is grown on.
     columns : m, number of quads across the surface's domain, along v.
     thickness : distance of the two offset surfaces, in steps of v.
     zigzag : swing of the seed's rows along u, in steps of v; None: chosen.
@@ -102,7 +112,8 @@ class SurfaceFit:
     lookahead : whether settings that stop are tried again with one strip of lookahead.
     """
 
-    surface: str | Target = field(default="waves", metadata={"target": True})
+    surface: str | Target | SurfaceMesh = field(default="waves", metadata={"target": True})
+    method: str = "auto"
     columns: int = 40
     thickness: float = 1.0
     zigzag: float | None = None
@@ -126,10 +137,29 @@ class SurfaceFit:
                     "A job can also name a file (STL, OBJ, PLY or STEP) there.",
                 )
             target = SURFACES[target]
-        elif not hasattr(target, "distance"):
+        elif not isinstance(target, SurfaceMesh) and not hasattr(target, "distance"):
             raise InvalidValue(
                 "surface", repr(target), "be a name or a Target", "See `solver.targets`."
             )
+        if self.method not in _METHODS:
+            names = ", ".join(_METHODS)
+            raise InvalidValue(
+                "method", self.method, f"be one of {names}", "Leave it out for auto."
+            )
+        whole = isinstance(target, SurfaceMesh)
+        if self.method == "relax" or (self.method == "auto" and whole):
+            return relaxed_fit(
+                target if isinstance(target, SurfaceMesh) else sampled(target),
+                self.columns,
+                thickness=self.thickness,
+                zigzag=self.zigzag,
+                row_step=self.row_step,
+                turn=self.turn,
+                progress=progress,
+            )
+        if isinstance(target, SurfaceMesh):
+            cure = "Give a `MeshSurface` of it, which is seen from above."
+            raise InvalidValue("method", "grow", "be relax for a SurfaceMesh", cure)
         return fit_surface(
             target,
             self.columns,

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-
 from scipy.spatial import cKDTree
 
 from solver.coverage import one_piece
@@ -25,7 +24,7 @@ __all__ = ["Pleats", "laid_patch", "laid_tube", "rim_planes"]
 
 # How far beyond the rim of the surface the sheet's rim is to be at least, in steps.
 _MARGIN = 0.1
-# Vertices of the sheet's rim that begin inside are drawn to the surface's rim from this far, in steps.
+# From so far inside, in steps, vertices of the sheet's rim are drawn to the surface's rim.
 _NEAR_RIM = 1.0
 # The share of a cell over the surface with which it is part of the sheet.
 _SHARE = 0.04

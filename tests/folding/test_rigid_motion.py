@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from fab.formats.fold_reader import read_fold, read_pattern
 from flat_patterns import grid
 from helpers import PATTERNS, TEMPLATES
 from relaxed_surfaces import bump
 from scipy.sparse import block_diag, csc_array
 
+from fab import read_pattern
 from fab.cli.group import main
 from fab.folding.bar_hinge_model import framework
 from fab.folding.fold_settings import FoldSettings
@@ -23,6 +23,7 @@ from fab.folding.rigid_folding import fold_rigidly
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.simulation import Solver
 from fab.folding.verdict import judge
+from fab.formats.fold.reader import read_fold
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make

@@ -1,0 +1,164 @@
+"""Surfaces followed by relaxed sheets, told as growth is: one mesh, a status, what was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from solver.errors import InvalidState
+from solver.graphs import labels
+from solver.growth import Growth, Status
+from solver.mesh import QuadMesh
+from solver.relaxation.laying import Pleats
+from solver.surface_sheets import PLEATS, TURNS, SurfaceSheet, SurfaceSheets, surface_sheets
+from solver.targets.base import Target
+from solver.targets.smoothing import smoothed, smoothing_length
+from solver.targets.surface_mesh import SurfaceMesh
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["joined", "relaxed_fit", "sampled"]
+
+# Quads along either parameter by which a surface with formulas is sampled.
+_SAMPLES = 96
+
+
+def relaxed_fit(
+    mesh: SurfaceMesh,
+    columns: int,
+    *,
+    thickness: float = 1.0,
+    zigzag: float | None = None,
+    row_step: float | None = None,
+    turn: float | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Growth:
+    """Sheets relaxed onto a surface, as many as it needs, joined in one mesh.
+
+    Parameters
+    ----------
+    columns : faces across the surface's map, or around a tube.
+    thickness, zigzag, row_step : of the cell, in steps (thickness: in rows' distances); see
+        `Pleats`. turn : direction of the lines, radians from the longest extent of the map. What
+        is not given is chosen.
+    progress : called with the number of settings tried and about how many there are.
+
+    A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`), which
+    `Growth.chosen` then tells. Raises `InvalidValue` and `InvalidState` as `surface_sheets`.
+    """
+    step = float(np.sqrt(mesh.area)) / columns
+    length = smoothing_length(mesh, step)
+    followed = mesh
+    if length > 0:
+        try:
+            followed = smoothed(mesh, length).mesh
+        except InvalidState:  # it would collapse: the surface is followed as it is
+            length = 0.0
+    tried = [
+        Pleats(
+            zigzag=usual.zigzag if zigzag is None else zigzag,
+            spacing=usual.spacing if row_step is None else row_step,
+            thickness=thickness * usual.thickness,
+            stretch=usual.stretch,
+        )
+        for usual in PLEATS
+    ]
+    found = surface_sheets(
+        followed,
+        columns,
+        pleats=list(dict.fromkeys(tried)),
+        turns=TURNS if turn is None else (turn,),
+        progress=progress,
+    )
+    return _told(found, length)
+
+
+def _told(found: SurfaceSheets, smoothing: float) -> Growth:
+    sheets = found.sheets
+    mesh = (
+        joined([sheet.mesh.cut_open() for sheet in sheets]) if len(sheets) > 1 else sheets[0].mesh
+    )
+    first = sheets[0]
+    chosen = {
+        "sheets": float(len(sheets)),
+        "zigzag": first.pleats.zigzag,
+        "row_step": first.pleats.spacing,
+        "thickness": first.pleats.thickness,
+        "turn": first.turn,
+        "step": first.step,
+    }
+    if smoothing > 0:
+        chosen["smoothing_length"] = smoothing
+    bad = [(number, sheet) for number, sheet in enumerate(sheets, 1) if not sheet.good]
+    rows = sum(sheet.mesh.grid.shape[0] - 1 for sheet in sheets)
+    deviations = np.concatenate([sheet.deviations for sheet in sheets])
+    status, advice = Status.GROWN, ""
+    if bad:
+        status = Status.NOT_FITTED
+        advice = " ".join(_advice(number, sheet, len(sheets)) for number, sheet in bad)
+    return Growth(mesh, rows, status, advice, found.coverage, chosen, deviations)
+
+
+def _advice(number: int, sheet: SurfaceSheet, count: int) -> str:
+    """What is wrong with a sheet, and what would help."""
+    name = f"Sheet {number} of {count}" if count > 1 else "The sheet"
+    off = float(np.abs(sheet.deviations).max(initial=0.0)) / sheet.step
+    if sheet.advice:
+        return f"{name}: {sheet.advice}"
+    if sheet.crossings:
+        return (
+            f"{name} crosses itself in {sheet.crossings} pairs of faces. More columns, a smaller "
+            "thickness or another turn may help."
+        )
+    return (
+        f"{name} covers {sheet.coverage:.1%} of its part, and its vertices are up to {off:.2f} "
+        "steps off their offsets. More columns or a smaller thickness bring it nearer."
+    )
+
+
+def joined(meshes: list[QuadMesh]) -> QuadMesh:
+    """Several open patches as one mesh in as many pieces; their grids are one below another."""
+    width = max(mesh.grid.shape[1] for mesh in meshes)
+    coords: list[FloatArray] = []
+    faces: list[IntArray] = []
+    grids: list[IntArray] = []
+    count = 0
+    for mesh in meshes:
+        rows, columns = mesh.grid.shape
+        grid = np.full((rows + 1, width), -1)
+        grid[:rows, :columns] = np.where(mesh.grid >= 0, mesh.grid + count, -1)
+        coords.append(mesh.vertices_coords)
+        faces.append(mesh.faces_vertices + count)
+        grids.append(grid)
+        count += len(mesh.vertices_coords)
+    return QuadMesh(np.concatenate(coords), np.concatenate(faces), np.concatenate(grids)[:-1])
+
+
+def sampled(target: Target) -> SurfaceMesh:
+    """Triangles of the part of a target that is within its domain; its largest piece.
+
+    Raises `InvalidState` where nothing is.
+    """
+    u = np.linspace(-1, 1, _SAMPLES + 1)
+    places = target.places(np.stack(np.meshgrid(u, u, indexing="ij"), axis=-1).reshape(-1, 2))
+    inside = target.inside(places) & np.isfinite(target.point(places)).all(axis=1)
+    number = np.arange(len(u) ** 2).reshape(len(u), -1)
+    quads = np.stack(
+        [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1
+    ).reshape(-1, 4)
+    quads = quads[inside[quads].all(axis=1)]
+    if not len(quads):
+        raise InvalidState("surface", "no part of it is within its domain", "Enlarge the domain.")
+    sides = np.concatenate([np.sort(quads[:, [k, (k + 1) % 4]], axis=1) for k in range(4)])
+    _, which = np.unique(sides, axis=0, return_inverse=True)
+    of = np.tile(np.arange(len(quads)), 4)
+    order = np.argsort(which.ravel(), kind="stable")
+    same = which.ravel()[order][1:] == which.ravel()[order][:-1]
+    piece = labels(np.column_stack([of[order][:-1][same], of[order][1:][same]]), len(quads))
+    quads = quads[piece == np.bincount(piece).argmax()]
+    used = np.unique(quads)
+    rank = np.full(len(places), -1)
+    rank[used] = np.arange(len(used))
+    quads = rank[quads]
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    return SurfaceMesh.of(target.point(places)[used], triangles)
