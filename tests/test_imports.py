@@ -39,7 +39,13 @@ DISPATCH = {"reading", "conversion", "reading_picture"}
 # The modules at the root of `fab`, each of which imports only those before it.
 ROOT_MODULES = ["errors", "files", "progress", "settings", "catalogue", "outputs"]
 # What geometry may know of the solver.
-GEOMETRY_TAKES = {"solver.errors", "solver.graphs", "solver.vectors", "solver.mesh"}
+GEOMETRY_TAKES = {
+    "solver.errors",
+    "solver.graphs",
+    "solver.mesh",
+    "solver.polygons",
+    "solver.vectors",
+}
 HEAVY = {"build123d", "OCP", "manifold3d", "matplotlib", "trimesh", "u_nesting"}
 SOURCES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
