@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count
+from solver.measure import developability, planarity
 from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube, rim_planes
 from solver.relaxation.method import RelaxationStatus
@@ -54,6 +55,7 @@ _CHOICES = 2
 # What a good sheet covers and how far at most it is off its offsets, in steps.
 _COVERED = 0.99
 _OFF = 0.15
+_EXACT = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
 _MOST_COLUMNS = 400
@@ -72,7 +74,9 @@ class SurfaceSheet:
     deviations : signed distances of vertices from their offsets, in the surface's units, shape
         (n,); positive on the side of its normals.
     coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
-    least_sector : smallest sector angle, radians.
+    least_sector : smallest sector angle, radians. inexact : largest of what faces are off their
+        planes, relative, and sectors off a full turn, radians, as `solver.measure` has them: also
+        where a face has a reflex corner, which relaxation takes for its lesser angle.
     step : unit of the cell. pleats, turn : what was chosen.
     """
 
@@ -85,6 +89,7 @@ class SurfaceSheet:
     coverage: float
     crossings: int
     least_sector: float
+    inexact: float
     step: float
     pleats: Pleats
     turn: float
@@ -97,7 +102,7 @@ class SurfaceSheet:
     @property
     def faults(self) -> float:
         """How much is wrong with it: 0 of a good one."""
-        inexact = self.status is not RelaxationStatus.RELAXED
+        inexact = self.status is not RelaxationStatus.RELAXED or self.inexact > _EXACT
         off = float(np.abs(self.deviations).max(initial=0.0)) / self.step
         return (
             100.0 * inexact
@@ -273,7 +278,7 @@ class _Search:
             return None
         mesh = fit.mesh if sheet.closed else trimmed(lay.target, fit.mesh)
         thickness = sheet.cell.thickness
-        held = [(mesh.vertices_coords, mesh.faces_vertices)]
+        mesh_arrays = mesh.vertices_coords, mesh.faces_vertices
         return SurfaceSheet(
             mesh,
             lay.target.mesh,
@@ -281,9 +286,10 @@ class _Search:
             fit.relaxation.advice,
             fit.relaxation.rounds,
             fit.deviations * sheet.cell.step,
-            float(covered(lay.target, held, 2 * thickness).mean()),
+            float(covered(lay.target, [mesh_arrays], 2 * thickness).mean()),
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
             _least_sector(mesh),
+            max(float(planarity(*mesh_arrays).max()), float(developability(*mesh_arrays).max())),
             sheet.cell.step / pleats.stretch,
             pleats,
             turn,
