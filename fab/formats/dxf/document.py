@@ -66,7 +66,7 @@ def read_document(path: Path) -> tuple[Drawing, tuple[Finding, ...]]:
         )
     with _silent():
         if data.startswith(_BINARY):
-            return _binary(path, data), ()
+            return _named_unit(_binary(path, data), data), ()
         if b"\0" in data:
             raise InvalidFile(
                 f"{path}: neither a text file nor a binary DXF file. Export it again."
@@ -76,7 +76,7 @@ def read_document(path: Path) -> tuple[Drawing, tuple[Finding, ...]]:
         if b"SECTION" not in data:
             raise InvalidFile(f"{path}: it has no section of a DXF file. Export it as DXF.")
         try:
-            return _plain(data), ()
+            return _named_unit(_plain(data), data), ()
         except Exception as error:  # ezdxf raises whatever a damaged file leads to
             broken = str(error) or type(error).__name__
         try:
@@ -93,7 +93,7 @@ def read_document(path: Path) -> tuple[Drawing, tuple[Finding, ...]]:
         f"{'repair' if count == 1 else 'repairs'}, first: {shown(broken)}. Compare the result with "
         "the drawing."
     )
-    return document, (Finding("file-recovered", Severity.WARNING, text),)
+    return _named_unit(document, data), (Finding("file-recovered", Severity.WARNING, text),)
 
 
 def mm_per_unit_of(document: Drawing) -> float | None:
@@ -124,6 +124,13 @@ def _plain(data: bytes) -> Drawing:
     encoding = ezdxf.filemanagement.dxf_stream_info(head).encoding
     text = data.decode(encoding, "surrogateescape").removeprefix("\ufeff")
     return ezdxf.read(io.StringIO(text, newline=None))
+
+
+def _named_unit(document: Drawing, data: bytes) -> Drawing:
+    """The document without the metres that ezdxf gives to a file whose header names no unit."""
+    if b"$INSUNITS" not in data:
+        document.header["$INSUNITS"] = 0
+    return document
 
 
 def _binary(path: Path, data: bytes) -> Drawing:

@@ -234,6 +234,13 @@ def test_units_are_those_of_ezdxf(code, drawing, tmp_path):
     assert codes(soup) == []
 
 
+def test_a_file_without_a_header_names_no_unit(tmp_path):
+    line = "0\nLINE\n8\nMountain\n10\n0\n20\n0\n11\n30\n21\n0\n"
+    soup = read(f"0\nSECTION\n2\nENTITIES\n{line}0\nENDSEC\n0\nEOF\n", tmp_path)
+    assert soup.mm_per_unit is None
+    assert length(soup.lines_coords) == 30
+
+
 def test_units_of_surveyors_and_none(drawing, tmp_path):
     drawing.modelspace().add_line((0, 0), (1, 0))
     for code, mm in {21: 1200 / 3937 * 1e3, 22: 100 / 3937 * 1e3, 0: None, 25: None}.items():
