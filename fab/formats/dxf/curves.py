@@ -143,7 +143,7 @@ def _along(curve: _Curve, parameters: FloatArray, tolerance: float) -> FloatArra
 
 def _straightened(points: FloatArray) -> FloatArray:
     """The two ends alone of points that are in line, as of the straight splines of Illustrator."""
-    if len(points) < 3:
+    if len(points) < 3 or bool((points[0] == points[-1]).all()):
         return points
     along = points[-1] - points[0]
     places = (points - points[0]) @ along

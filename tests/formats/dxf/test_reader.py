@@ -217,6 +217,18 @@ def test_what_is_left_out_is_counted(drawing, tmp_path):
     assert "1 INSERT" in found(soup, "entities-damaged").text
 
 
+def test_whole_ellipses_and_closed_splines_are_closed_curves_anywhere(drawing, tmp_path):
+    space = drawing.modelspace()
+    space.add_ellipse((50, 30), (8, 0), 0.5)
+    corners = [(45, 20, 0), (55, 20, 0), (55, 30, 0), (45, 30, 0), (45, 20, 0)]
+    space.add_spline(degree=1).set_open_uniform(corners, degree=1)
+    soup = read(drawing, tmp_path)
+    first, second = (soup.lines_coords[soup.lines_element == i] for i in range(2))
+    np.testing.assert_allclose(((first - [50, 30]) / [8, 4]) ** 2 @ [1, 1], 1, rtol=1e-9)
+    assert length(first) == pytest.approx(38.754, rel=1e-3)
+    assert length(second) == pytest.approx(40)
+
+
 def test_texts_alone_are_a_note(drawing, tmp_path):
     drawing.modelspace().add_line((0, 0), (10, 0))
     drawing.modelspace().add_mtext("x")
