@@ -11,6 +11,7 @@ from pathlib import Path
 import ezdxf
 from ezdxf import recover
 from ezdxf.document import Drawing
+from ezdxf.lldxf.encoding import decode_dxf_unicode, has_dxf_unicode
 from ezdxf.lldxf.tagger import binary_tags_loader
 
 from fab.errors import Finding, InvalidFile, Severity
@@ -123,6 +124,8 @@ def _plain(data: bytes) -> Drawing:
     head = io.StringIO(data.decode("utf-8", "ignore"), newline=None)
     encoding = ezdxf.filemanagement.dxf_stream_info(head).encoding
     text = data.decode(encoding, "surrogateescape").removeprefix("\ufeff")
+    if has_dxf_unicode(text):  # \\U+5C71: what is not in the code page of R12 to R2004
+        text = decode_dxf_unicode(text)
     return ezdxf.read(io.StringIO(text, newline=None))
 
 

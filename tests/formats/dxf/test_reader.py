@@ -253,6 +253,13 @@ def test_a_file_without_a_header_names_no_unit(tmp_path):
     assert length(soup.lines_coords) == 30
 
 
+def test_layers_outside_of_the_code_page_are_read(tmp_path):
+    drawing = ezdxf.new("R2000")
+    drawing.layers.add("山折", color=8)
+    drawing.modelspace().add_line((0, 0), (1, 0), dxfattribs={"layer": "山折"})
+    assert read(drawing, tmp_path).lines_assignment.tolist() == ["M"]
+
+
 def test_units_of_surveyors_and_none(drawing, tmp_path):
     drawing.modelspace().add_line((0, 0), (1, 0))
     for code, mm in {21: 1200 / 3937 * 1e3, 22: 100 / 3937 * 1e3, 0: None, 25: None}.items():
