@@ -34,6 +34,8 @@ __all__ = ["FLATNESS_MM", "read_svg"]
 
 # Curves become chords that leave them by at most this, in the size that the file has.
 FLATNESS_MM = 0.05
+# Nor by more than this, over the diagonal of the drawing, however large it is made later.
+FLATNESS_REL = 1e-4
 _MOST_LINES = 1_000_000
 _FARTHEST = 1e9
 # A circle at the end of a line marks a vertex when it is smaller than this, over the drawing.
@@ -72,7 +74,13 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     require_lengths(path, "the outermost svg", "svg", root.attrib)
     page = page_of(root.attrib, options.mm_per_unit if options.mm_per_unit else px_mm)
     mm_per_unit = 1.0 if page.physical else options.mm_per_unit or px_mm
-    drawing = drawing_of(path, root, page, FLATNESS_MM / mm_per_unit, options.colours)
+    off_by = FLATNESS_MM / mm_per_unit
+    drawing = drawing_of(path, root, page, off_by, options.colours)
+    if any(shape.drawn.curves for shape in drawing.shapes):
+        finest = FLATNESS_REL * _diagonal(drawing.shapes)
+        if 0 < finest < off_by:
+            off_by = finest
+            drawing = drawing_of(path, root, page, off_by, options.colours)
     taken, as_outlines = _chosen(path, drawing)
     coords, element, letters, angles = _lines(path, taken)
     findings = _unit_findings(page, options, px_mm, of_program)
@@ -85,7 +93,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
                 "curve-flattened",
                 Severity.NOTE,
                 f"{counted(curves, 'curve')} became chords that leave the curve by up to "
-                f"{FLATNESS_MM:g} mm; the drawing has {counted(chords, 'line')} in all.",
+                f"{off_by * mm_per_unit:.3g} mm; the drawing has {counted(chords, 'line')} in all.",
             )
         )
     if as_outlines:
@@ -203,6 +211,16 @@ def _chosen(path: Path, drawing: Drawing) -> tuple[list[Shape], bool]:
         f"{path}: the drawing has no line.{what} Draw the outline and the creases as lines with a "
         "stroke."
     )
+
+
+def _diagonal(shapes: list[Shape]) -> float:
+    """Of the box around all shapes, in units of the page; 0 where it is not finite."""
+    ends = [run[:: len(run) - 1] for shape in shapes for run in shape.drawn.runs]
+    middles = [run[len(run) // 2] for shape in shapes for run in shape.drawn.runs]
+    points = np.array([point for pair in ends for point in pair] + middles)
+    with np.errstate(over="ignore", invalid="ignore"):
+        diagonal = float(np.hypot(*np.ptp(points, axis=0)))
+    return diagonal if np.isfinite(diagonal) else 0.0
 
 
 def _lines(path: Path, shapes: list[Shape]) -> tuple[FloatArray, IntArray, Letters, FloatArray]:

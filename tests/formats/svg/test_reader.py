@@ -320,9 +320,17 @@ def test_curves_become_chords_within_the_stated_distance(tmp_path):
         middle = np.hypot(*(ends.mean(axis=1) - centre).T)
         assert (radius - middle).max() <= FLATNESS_MM * (1 + 1e-9)
     assert "2 curves" in text_of(soup, "curve-flattened")
-    assert f"{FLATNESS_MM:g} mm" in text_of(soup, "curve-flattened")
+    assert "0.012 mm" in text_of(soup, "curve-flattened")  # 1e-4 of the diagonal
     length = lengths(soup.lines_coords, soup.lines_assignment)
     assert length["M"] == pytest.approx(2 * pi * 40, rel=2e-3)
+
+
+@pytest.mark.parametrize("size", [0.1, 10, 1e3])
+def test_chords_suit_the_drawing_whatever_its_size(tmp_path, size):
+    """A disc drawn in a few pixels is no polygon on a large sheet."""
+    soup = drawn(tmp_path, f'<circle r="{size}" stroke="red" fill="none"/>')
+    middle = np.hypot(*soup.lines_coords.mean(axis=1).T)
+    assert (size - middle).max() <= min(FLATNESS_MM, 1e-4 * 2**1.5 * size) * (1 + 1e-9)
 
 
 def test_bezier_curves_are_followed(tmp_path):
