@@ -214,6 +214,9 @@ def _path(data: str, place: Place) -> Drawn:
         end = segment.end
         if end is None:
             continue
+        if end.x is None or end.y is None:  # what svgelements makes of words such as NaN
+            out.broken = True
+            break
         if isinstance(segment, svgelements.Move):
             finish(closed=False)
             run = _placed([(end.x, end.y)], place.matrix)

@@ -377,12 +377,13 @@ def test_shapes_have_their_length(shape, length, tmp_path):
 def test_broken_data_is_read_up_to_its_fault(tmp_path):
     soup = drawn(
         tmp_path,
-        '<path d="M0 0L10 0L10 x" stroke="red"/><path id="q" d="M0 0C1 2 3 4 5 0 L 5 9 C 1" '
+        '<path d="M0 0L10 0L10 x" stroke="red"/><path d="M0 0HNaNV5" stroke="red"/>'
+        '<path id="q" d="M0 0C1 2 3 4 5 0 L 5 9 C 1" '
         'stroke="blue"/><g transform="turn(3)"><line x2="9" stroke="lime"/></g>',
     )
     assert lengths(soup.lines_coords, soup.lines_assignment)["M"] == 10
     assert lengths(soup.lines_coords, soup.lines_assignment)["V"] > 9
-    assert "2 shapes" in text_of(soup, "shape-unreadable")
+    assert "3 shapes" in text_of(soup, "shape-unreadable")
     assert "path 1" in text_of(soup, "shape-unreadable")
     assert "g 1" in text_of(soup, "transform-unreadable")
 
