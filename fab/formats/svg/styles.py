@@ -23,7 +23,12 @@ PROPERTIES = {
     "opacity": False,
     "stroke": True,
     "stroke-opacity": True,
+    "rotate": False,
+    "scale": False,
     "transform": False,
+    "transform-box": False,
+    "transform-origin": False,
+    "translate": False,
     "visibility": True,
 }
 # Selectors of more parts could take very long to match.

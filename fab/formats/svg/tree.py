@@ -27,6 +27,7 @@ from fab.formats.svg.viewports import (
     Matrix,
     Page,
     length_px,
+    origin_of,
     transform_of,
     viewport_matrix,
 )
@@ -151,11 +152,13 @@ def drawing_of(
         if inner.visible and not inner.hidden:
             require_lengths(path, name, tag, element.attrib)
         if (text := declared.get("transform")) is not None:
-            matrix = transform_of(text)
+            matrix = _about_origin(transform_of(text), declared, inner.size)
             if matrix is None:
                 out.fault("transform", name)
             else:
                 inner = replace(inner, matrix=_product(inner.matrix, matrix))
+        if any(declared.get(key, "none") != "none" for key in ("translate", "rotate", "scale")):
+            out.fault("transform", name)
         if declared.get("clip-path", "none") != "none" or declared.get("mask", "none") != "none":
             out.fault("clip", name)
         if shape:
@@ -276,6 +279,20 @@ def _used(
         if get("width") or get("height") or inner.label == "symbol":
             inner = replace(inner, size=(across, up))
     return [(found, inner, False)]
+
+
+def _about_origin(
+    matrix: Matrix | None, declared: dict[str, str], size: tuple[float, float]
+) -> Matrix | None:
+    """A transform about its transform-origin; None where either cannot be read."""
+    if matrix is None or "transform-origin" not in declared:
+        return matrix
+    origin = origin_of(declared["transform-origin"], size)
+    if origin is None or declared.get("transform-box", "view-box") != "view-box":
+        return None
+    x, y = origin
+    moved = _product((1.0, 0.0, 0.0, 1.0, x, y), matrix)
+    return _product(moved, (1.0, 0.0, 0.0, 1.0, -x, -y))
 
 
 def _product(outer: Matrix, inner: Matrix) -> Matrix:

@@ -17,6 +17,7 @@ __all__ = [
     "is_length",
     "length_px",
     "numbers",
+    "origin_of",
     "page_of",
     "transform_of",
     "viewport_matrix",
@@ -71,6 +72,25 @@ def length_px(text: str | None, whole: float, default: float = 0.0) -> float:
     if unit in _PHYSICAL_MM:
         return value * _PHYSICAL_MM[unit] / PX_MM
     return value * _RELATIVE_PX.get(unit, 1.0)
+
+
+def origin_of(text: str, size: tuple[float, float]) -> tuple[float, float] | None:
+    """The point that a transform-origin names in a viewport of this size; None where it is none.
+
+    >>> origin_of("center", (100.0, 60.0)), origin_of("top 10px", (100.0, 60.0))
+    ((50.0, 30.0), (10.0, 0.0))
+    """
+    words = text.lower().split()[:2]
+    if len(words) < 2:
+        words.append("center")
+    if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
+        words.reverse()
+    share = {"left": 0.0, "top": 0.0, "center": 0.5, "right": 1.0, "bottom": 1.0}
+    x, y = (
+        share[word] * whole if word in share else length_px(word, whole, math.nan)
+        for word, whole in zip(words, size, strict=True)
+    )
+    return (x, y) if math.isfinite(x) and math.isfinite(y) else None
 
 
 @lru_cache(maxsize=4096)

@@ -333,6 +333,36 @@ def test_chords_suit_the_drawing_whatever_its_size(tmp_path, size):
     assert (size - middle).max() <= min(FLATNESS_MM, 1e-4 * 2**1.5 * size) * (1 + 1e-9)
 
 
+@pytest.mark.parametrize(
+    "turned",
+    [
+        'transform="rotate(90)" transform-origin="70 30"',
+        'transform="rotate(90)" transform-origin="70% center"',
+        'style="transform: rotate(90deg); transform-origin: center 70px"',
+    ],
+)
+def test_transforms_are_about_their_origin(tmp_path, turned):
+    soup = read(
+        tmp_path,
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="60mm" viewBox="0 0 100 60">'
+        f'<line x1="40" y1="30" x2="100" y2="30" stroke="blue" {turned}/></svg>',
+    )
+    x, y = (50, 70) if "center 70" in turned else (70, 30)
+    ends = np.array([[40, 30], [100, 30]]) - [x, y]
+    wanted = ends @ [[0, 1], [-1, 0]] + [x, y]
+    assert soup.lines_coords[0] == pytest.approx(wanted * [1, -1], abs=1e-9)
+
+
+def test_transforms_of_other_kinds_are_told(tmp_path):
+    soup = drawn(
+        tmp_path,
+        '<line x2="9" stroke="red" style="translate: 5px"/>'
+        '<line x2="9" stroke="red" '
+        'style="transform: scale(2); transform-box: fill-box; transform-origin: center"/>',
+    )
+    assert "of 2 elements" in text_of(soup, "transform-unreadable")
+
+
 def test_bezier_curves_are_followed(tmp_path):
     soup = drawn(
         tmp_path, '<path d="M0 0C0 40 40 40 40 0S 80 -40 80 0q5 5 10 0t10 0" stroke="red"/>'
