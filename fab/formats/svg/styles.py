@@ -97,7 +97,7 @@ def style_sheets(root: ET.Element) -> Sheets:
     for text in texts:
         for rule in tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True):
             if rule.type == "at-rule":
-                skipped += rule.lower_at_keyword == "import"
+                skipped += rule.lower_at_keyword in ("import", "layer", "media", "supports")
             if rule.type != "qualified-rule":
                 continue
             declarations = _of_tokens(rule.content)
