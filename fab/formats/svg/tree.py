@@ -63,6 +63,8 @@ class _Context:
     names : of the groups around it, innermost first.
     operation : of our own drawings, where its layer is one.
     uses : how many `use` elements it is drawn through.
+    label, given : of the `use` element right above it: what it refers to, and the width and height
+        that it gives.
     """
 
     matrix: Matrix
@@ -77,6 +79,7 @@ class _Context:
     operation: str = ""
     uses: int = 0
     label: str = ""
+    given: tuple[str, str] = ("", "")
 
 
 @dataclass
@@ -238,15 +241,15 @@ def _within(element: ET.Element, tag: str, context: _Context, outermost: bool) -
     names = (*_names(element), *context.names)
     label = element.get(_LABEL, "")
     operation = label if label in OPERATIONS else context.operation
-    out = replace(context, names=names, operation=operation, label="")
+    out = replace(context, names=names, operation=operation, label="", given=("", ""))
     if tag == "svg" or tag == "symbol":
         width, height = context.size
         get = element.attrib.get
         if tag == "svg":
             x, y = length_px(get("x"), width), length_px(get("y"), height)
             out = replace(out, matrix=_product(out.matrix, (1.0, 0.0, 0.0, 1.0, x, y)))
-        across = length_px(get("width"), width, width)
-        up = length_px(get("height"), height, height)
+        across = length_px(context.given[0] or get("width"), width, width)
+        up = length_px(context.given[1] or get("height"), height, height)
         matrix, size = viewport_matrix(element.attrib, across, up)
         out = replace(out, matrix=_product(out.matrix, matrix), size=size)
     return out
@@ -272,12 +275,8 @@ def _used(
         matrix=_product(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y)),
         uses=context.uses + 1,
         label=local_name(found),
+        given=(get("width", ""), get("height", "")),
     )
-    if inner.label in ("symbol", "svg"):
-        across = length_px(get("width"), width, width)
-        up = length_px(get("height"), height, height)
-        if get("width") or get("height") or inner.label == "symbol":
-            inner = replace(inner, size=(across, up))
     return [(found, inner, False)]
 
 

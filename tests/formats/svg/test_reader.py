@@ -363,6 +363,19 @@ def test_transforms_of_other_kinds_are_told(tmp_path):
     assert "of 2 elements" in text_of(soup, "transform-unreadable")
 
 
+def test_a_used_drawing_has_the_size_that_the_use_gives(tmp_path):
+    soup = drawn(
+        tmp_path,
+        '<defs><svg id="s" width="10" height="6" viewBox="0 0 10 6"><path d="M3 0V6" stroke="red"/>'
+        '</svg></defs><use href="#s" width="100" height="60"/><use href="#s" y="70"/>',
+    )
+    assert np.sort(lengths_each(soup)).tolist() == pytest.approx([6, 60])
+
+
+def lengths_each(soup: LineSoup) -> np.ndarray:
+    return np.hypot(*(soup.lines_coords[:, 1] - soup.lines_coords[:, 0]).T)
+
+
 def test_bezier_curves_are_followed(tmp_path):
     soup = drawn(
         tmp_path, '<path d="M0 0C0 40 40 40 40 0S 80 -40 80 0q5 5 10 0t10 0" stroke="red"/>'
