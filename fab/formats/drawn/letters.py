@@ -87,7 +87,7 @@ def colour_of(text: str) -> tuple[str, float] | None:
     """
     from tinycss2.color4 import parse_color
 
-    plain = text.strip()
+    plain = text.partition("icc-color(")[0].strip()  # "#f00 icc-color(...)": sRGB comes first
     if re.fullmatch(r"#[0-9a-fA-F]{6}", plain):
         return plain.lower(), 1.0
     try:
@@ -128,7 +128,8 @@ def letter_of(colour: str | None, names: Sequence[str], colours: Mapping[str, st
         for name in names:
             if (given := colours.get(_key(name))) is not None:
                 return given
-        if found is not None and (given := colours.get(found[0])) is not None:
+        own = found[0] if found is not None else _key(colour or "")
+        if (given := colours.get(own)) is not None:
             return given
     named = [_letter_of_name(name) for name in names]
     strong = next((letter for letter, _ in named if letter), None)
@@ -176,7 +177,7 @@ def parse_colours(text: str) -> dict[str, str]:
                 "colours", repr(key), "be #rgb or #rrggbb, digits 0 to f", "Correct the colour."
             )
         keys = [] if colour is None else [colour[0]]
-        if not key.startswith("#") and "(" not in key:
+        if not key.startswith("#") and (colour is None or "(" not in key):
             keys.append(_key(key))
         for own in keys:
             if out.setdefault(own, letter) != letter:

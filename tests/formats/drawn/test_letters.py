@@ -137,3 +137,11 @@ def test_the_finding_lists_the_commonest_and_counts_the_rest():
     assert "9 #000009" in finding.text
     assert "6 of 3 other colours" in finding.text
     assert '--colours "#000009=mountain"' in finding.text
+
+
+def test_layers_with_parentheses_and_paints_without_a_colour_are_named():
+    colours = parse_colours("folds (M)=mountain,var(--v)=valley,rgb(1, 2, 3)=cut")
+    assert letter_of("#888", ["Folds (M)"], colours) == "M"
+    assert letter_of("var(--v)", [], colours) == "V"
+    assert letter_of("#010203", [], colours) == "C"
+    assert letter_of("red icc-color(cmyk, 0, 1, 1, 0)", [], {}) == "M"
