@@ -19,6 +19,7 @@ __all__ = ["READ", "read_pattern_file"]
 # Readers of drawings, by ending: each gives the lines of a file.
 _DRAWINGS = {
     ".svg": ("svg.reader", "read_svg"),
+    ".svgz": ("svg.reader", "read_svg"),
     ".dxf": ("dxf.reader", "read_dxf"),
     ".cp": ("oripa.cp", "read_cp"),
     ".opx": ("oripa.opx", "read_opx"),

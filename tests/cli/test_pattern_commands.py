@@ -1,5 +1,6 @@
 """All commands read crease patterns of all formats, with the same options and the same refusals."""
 
+import gzip
 import json
 import re
 from collections import Counter
@@ -24,7 +25,7 @@ COUNTS = {"B": 8, "M": 1, "V": 1}
 SHEET = ["--material", "card_300gsm", "--machine", "co2_60w_600x400", "--only", "dxf"]
 THICK = ["--only", "stl", "--set", "panels.thickness_mm=0.8"]
 # Formats, and what they do not say of the strip.
-FORMATS = ["fold", "svg", "dxf", "cp", "opx", "ori", "orh", "obj"]
+FORMATS = ["fold", "svg", "svgz", "dxf", "cp", "opx", "ori", "orh", "obj"]
 NO_ANGLES = {"dxf", "cp", "opx", "ori", "orh"}
 DIALECT = {"opx": "opx_oripa_2024", "ori": "ori_oriedita_v1.1", "orh": "orh_orihime"}
 
@@ -79,6 +80,10 @@ def written(folder, ending):
         drawing = Source("strip", ends[np.array(pairs)], letters)
         path = folder / f"strip.{ending}"
         path.write_bytes(DIALECTS[DIALECT[ending]].write(drawing))
+    elif ending == "svgz":
+        path = folder / "strip.svgz"
+        path.write_bytes(gzip.compress(written(folder, "svg").read_bytes()))
+        return path
     else:
         path = folder / f"strip.{ending}"
         result = run("convert", source, path)

@@ -7,6 +7,7 @@ that are short plain texts, as Adobe Illustrator writes them; every other entity
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
@@ -40,23 +41,25 @@ class _Refused(Exception):
 def read_xml(path: Path) -> Document:
     """The elements of an XML file.
 
-    Raises `InvalidFile` for files over 100 MB, with more than 500,000 elements or with elements in
-    each other over 256 deep, for files that are not XML, and for entities that are declared as
-    anything but plain text of up to 1000 characters or that add over 1 MB to the file.
+    One that is compressed (svgz) is unpacked.
+
+    Raises `InvalidFile` for files over 100 MB, unpacked or not, with more than 500,000 elements or
+    with elements in each other over 256 deep, for files that are not XML, and for entities that are
+    declared as anything but plain text of up to 1000 characters or that add over 1 MB to the file.
     """
     try:
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise InvalidFile(f"{path}: cannot be read: {error.strerror or error}.") from error
+    if data.startswith(_GZIP):
+        data = _unpacked(path, data)
     if len(data) > MOST_BYTES:
         raise InvalidFile(
             f"{path}: larger than {MOST_BYTES // 10**6} MB. Split the drawing into several files."
         )
     if not data.strip():
         raise InvalidFile(f"{path}: the file is empty. Save the drawing again.")
-    if data.startswith(_GZIP):
-        raise InvalidFile(f"{path}: the file is compressed (svgz). Save it as plain SVG.")
     try:
         comments = _inspected(data)
         root = ET.fromstring(data)
@@ -76,6 +79,22 @@ def read_xml(path: Path) -> Document:
             f"{path}: the encoding of the file cannot be read ({error}). Save it as UTF-8."
         ) from error
     return Document(root, comments)
+
+
+def _unpacked(path: Path, data: bytes) -> bytes:
+    """What is in a gzip file, one byte over the bound where it is larger."""
+    unpacking = zlib.decompressobj(zlib.MAX_WBITS | 16)
+    try:
+        plain = unpacking.decompress(data, MOST_BYTES + 1)
+    except zlib.error as error:
+        raise InvalidFile(
+            f"{path}: the compressed file (svgz) is damaged. Save it again, as plain SVG."
+        ) from error
+    if not unpacking.eof and len(plain) <= MOST_BYTES:
+        raise InvalidFile(
+            f"{path}: the compressed file (svgz) ends too early. Save it again, as plain SVG."
+        )
+    return plain
 
 
 def _inspected(data: bytes) -> str:
