@@ -370,6 +370,7 @@ def _listed(counts: dict[str, int]) -> str:
 
 def _singular(kind: str) -> str:
     first, space, rest = kind.partition(" of ")
-    plural = {"texts", "images", "foreignObjects", "shapes", "figures", "references", "rules"}
+    plural = {"elements", "figures", "foreignObjects", "images", "references", "rules"}
+    plural |= {"shapes", "texts"}
     words = [word[:-1] if word in plural else word for word in first.split(" ")]
     return " ".join(words) + space + rest

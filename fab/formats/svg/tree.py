@@ -50,6 +50,8 @@ _DEFINITIONS = frozenset(
         *("radialGradient", "filter", "style", "script", "title", "desc", "metadata", "font"),
     }
 )
+# They move what they are in, which is drawn where it begins, or show a part of the drawing.
+_MOTIONS = frozenset({"animate", "animateMotion", "animateTransform", "set", "view"})
 # Oriedita draws folded figures beside the crease pattern.
 _FOLDED_FIGURE = re.compile(r"folded-figure-\d+")
 
@@ -140,6 +142,7 @@ def drawing_of(
             continue
         shape = tag in SHAPES
         if not shape and tag not in _GROUPS and tag != "symbol":
+            out.left_out["elements of unknown kinds"] += tag not in _MOTIONS
             continue
         drawn += around.uses > 0
         if drawn > _MOST_SHAPES:
@@ -173,7 +176,9 @@ def drawing_of(
         if _FOLDED_FIGURE.fullmatch(identity):
             out.left_out["folded figures"] += 1
             continue
-        if _share(declared.get("opacity"), 1.0) < 1.0:
+        if (opacity := _share(declared.get("opacity"), 1.0)) == 0.0:
+            inner = replace(inner, hidden=True)
+        elif opacity < 1.0:
             out.fault("group-opacity", name)
         inner = _within(element, tag, inner, outermost)
         if tag == "use":

@@ -1,5 +1,6 @@
 """SVG files of many programs give the lines, letters and angles that their drawings show."""
 
+import gzip
 import re
 from collections import Counter
 from math import pi
@@ -282,6 +283,26 @@ def test_opacity_of_groups_is_no_fold_angle(tmp_path):
     assert "group-opacity" in codes(soup)
 
 
+def test_what_is_hidden_or_unknown_is_counted(tmp_path):
+    line = '<line x2="9" stroke="red"/>'
+    soup = drawn(
+        tmp_path,
+        f'{line}<g opacity="0">{line}<g opacity=".5">{line}</g></g><g style="opacity:0%">{line}</g>'
+        f"<scribble>{line}</scribble><sketch/><set/>",
+    )
+    assert len(soup.lines_coords) == 1
+    assert "3 hidden shapes" in text_of(soup, "not-lines")
+    assert "2 elements of unknown kinds" in text_of(soup, "not-lines")
+    assert "1 group" in text_of(soup, "group-opacity")
+
+
+def test_compressed_drawings_are_those_that_are_in_them(tmp_path):
+    text = f'{HEAD}<path d="M0 0L9 9" stroke="red"/></svg>'.encode()
+    packed, plain = read(tmp_path, gzip.compress(text)), read(tmp_path, text)
+    assert packed.lines_coords.tolist() == plain.lines_coords.tolist()
+    assert packed.findings == plain.findings
+
+
 def test_style_sheets_follow_the_order_of_css(tmp_path):
     sheet = (
         "@import url(other.css); .a {stroke: red} #b {stroke: blue} line {stroke: lime}"
@@ -303,6 +324,9 @@ def test_style_sheets_follow_the_order_of_css(tmp_path):
     soup = drawn(tmp_path, f"<style>{sheet}</style>{lines}")
     assert soup.lines_assignment.tolist() == ["M", "V", "C", "F", "V"]
     assert "2 rules of style sheets" in text_of(soup, "not-lines")
+    sheet = "line {stroke: red} @media print {line {stroke: blue}}"
+    soup = drawn(tmp_path, f"<style>{sheet}</style>{lines}")
+    assert "1 rule of style sheets" in text_of(soup, "not-lines")
 
 
 # --- shapes ---
@@ -524,7 +548,9 @@ BOMB = "".join(f'<!ENTITY a{n + 1} "{f"&a{n};" * 10}">' for n in range(9))
         (f"<svg>{'<g>' * 300}{LINE}{'</g>' * 300}</svg>", "256 deep"),
         ('<svg><line x2="1e301" stroke="red"/></svg>', "line 1 has a coordinate of 1e+301"),
         ('<svg><path d="M0 0L1e999 0" stroke="red"/></svg>', "coordinate of inf"),
-        (b"\x1f\x8b123", "compressed"),
+        (b"\x1f\x8b123", "damaged"),
+        (gzip.compress(f"{HEAD}</svg>".encode())[:-9], "ends too early"),
+        (gzip.compress(b" " * 100_000_001), "larger than 100 MB"),
         ('<?xml version="1.0" encoding="klingon"?><svg/>', "encoding"),
         ('<svg><line stroke="red"/></svg>', "no line"),
         (
