@@ -429,6 +429,7 @@ def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
     assert run("convert", "step.cp", "step.dxf").exit_code == 0
     assert run("convert", PATTERNS / "square_twist.fold", "twist.svg").exit_code == 0
     (here / "theirs.fold").write_bytes(made_template("miura").files["miura.fold"])
+    assert run("convert", "theirs.fold", "miura.dxf").exit_code == 0
     for line in "".join(blocks).splitlines():
         words = shlex.split(line, comments=True)
         if words[1:3] == ["convert", "first.obj"]:
