@@ -83,8 +83,8 @@ def convert(
 ) -> None:
     """Convert crease patterns between programs.
 
-    Reads FOLD, SVG, DXF, CP, OPX, ORI, ORH and OBJ; writes FOLD, SVG, DXF, CP, pairs of OBJ, and
-    PNG, a picture of what was understood.
+    Reads FOLD, SVG, DXF, CP, OPX, ORI, ORH and OBJ; writes FOLD, SVG, DXF, CP, OBJ (pairs, or
+    the flat sheet alone where there is no folded form), and PNG, a picture of what was understood.
 
     quadfold convert crane.svg crane.png      the letters of all lines, and what was repaired
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, InvalidJob, Severity, did_you_mean, first_few
+from fab.errors import Finding, InvalidJob, Severity, counted, did_you_mean, first_few
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.meshes.obj import obj_bytes
 from fab.formats.meshes.obj_patterns import FLAT, FOLD
@@ -29,10 +29,10 @@ WRITTEN = (".fold", ".svg", ".dxf", ".cp", ".obj", ".png")
 def convert(read: PatternFile, target: Path) -> Made:
     """What was read as the files that `target` names by its ending, one of `WRITTEN`.
 
-    For sheet.obj the pair sheet_flat.obj and sheet_fold.obj; for sheet.png a picture of what was
-    understood. Findings are those of `read`, of angles that do not close, and of what the format
-    has no place for. Raises `InvalidJob` for another ending, and `InvalidFile` for a pair without a
-    folded form.
+    For sheet.obj the pair sheet_flat.obj and sheet_fold.obj, or sheet.obj itself, the flat mesh,
+    where there is no folded form; for sheet.png a picture of what was understood. Findings are
+    those of `read`, of angles that do not close, and of what the format has no place for. Raises
+    `InvalidJob` for another ending.
     """
     pattern, title = read.pattern, plain_title(read.title or target.stem)
     findings = [*read.findings, *inspect_closure(pattern)]
@@ -43,7 +43,8 @@ def convert(read: PatternFile, target: Path) -> Made:
         raise InvalidJob(f"{target}: must end in {', '.join(others)} or {last}.{hint}")
     if ending == ".obj":
         findings += _lost(pattern)
-        return Made(_obj_pair(pattern, target, title), {}, tuple(findings))
+        made = _obj_sheet if pattern.folded_coords is None else _obj_pair
+        return Made(made(pattern, target, title), {}, tuple(findings))
     if ending == ".fold":
         data = fold_bytes(pattern, title, read.states)
     elif ending == ".svg":
@@ -61,15 +62,21 @@ def convert(read: PatternFile, target: Path) -> Made:
     return Made({target.name: data}, {}, tuple(findings))
 
 
-def _obj_pair(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:
-    if pattern.folded_coords is None:
-        raise InvalidFile(
-            f"{target}: there is no folded form to write. Read a file with a frame of class "
-            "foldedForm, or write .fold or .svg."
-        )
-    name = target.stem.removesuffix(FLAT).removesuffix(FOLD)
+def _obj_sheet(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:
+    """The flat mesh alone."""
+    faces, offsets = pattern.faces_vertices, pattern.faces_offsets
+    return {target.name: obj_bytes(_flat(pattern), faces, offsets, title)}
+
+
+def _flat(pattern: CreasePattern) -> FloatArray:
     flat: FloatArray = np.pad(pattern.vertices_coords, ((0, 0), (0, 1)))
-    shapes = {f"{name}{FLAT}": flat, f"{name}{FOLD}": pattern.folded_coords}
+    return flat
+
+
+def _obj_pair(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:
+    assert pattern.folded_coords is not None
+    name = target.stem.removesuffix(FLAT).removesuffix(FOLD)
+    shapes = {f"{name}{FLAT}": _flat(pattern), f"{name}{FOLD}": pattern.folded_coords}
     faces, offsets = pattern.faces_vertices, pattern.faces_offsets
     return {
         f"{stem}{target.suffix}": obj_bytes(coords, faces, offsets, title)
@@ -79,12 +86,21 @@ def _obj_pair(pattern: CreasePattern, target: Path, title: str) -> dict[str, byt
 
 def _lost(pattern: CreasePattern) -> list[Finding]:
     """What meshes have no place for."""
+    out = []
+    folds = np.flatnonzero(np.isin(pattern.edges_assignment, ["M", "V"]))
+    if pattern.folded_coords is None and len(folds):
+        text = (
+            "there is no folded form: the OBJ file is the flat sheet alone, without its "
+            f"{counted(len(folds), 'mountain or valley', 'mountains and valleys')}. Keep the FOLD "
+            "file, or convert the one that simulate writes, which has folded forms."
+        )
+        out.append(Finding("folds-lost-in-obj", Severity.WARNING, text, creases=first_few(folds)))
     first, second = pattern.edges_faces.T
     lost = np.flatnonzero(np.isin(pattern.edges_assignment, ["U", "C", "J"]) | (first == second))
     if not len(lost):
-        return []
+        return out
     text = (
         f"OBJ files have no place for {len(lost)} cuts, joins, unassigned creases or creases that "
         "end within a face. Keep the FOLD file."
     )
-    return [Finding("lost-in-obj", Severity.WARNING, text, creases=first_few(lost))]
+    return [*out, Finding("lost-in-obj", Severity.WARNING, text, creases=first_few(lost))]

@@ -212,7 +212,6 @@ def test_angles_that_do_not_close_are_told_with_their_place(here):
         (["lone.fold"], "give one file, or two OBJ files"),
         (["good.fold", "out.stl"], "out.stl: must end in .fold, .svg, .dxf, .cp, .obj or .png"),
         (["good.fold", "good.fold", "--out", "x.fold"], "give one file, or two OBJ"),
-        (["good.fold", "out.obj"], "no folded form to write"),
         (["missing.fold", "out.fold"], "cannot be read"),
         (["cone.obj", "out.fold"], "vertex 0 not flat, the angles around the first add up to 240"),
         (["one.obj", "three.obj", "out.fold"], "3 vertices, but one.obj has 4"),
@@ -234,6 +233,21 @@ def test_bad_conversions_name_the_cure_and_write_nothing(here, words, match):
     assert result.exit_code == 2, result.output
     assert match in result.output
     assert names_in(here) == before
+
+
+@pytest.mark.parametrize("target", ["out.obj", "out_flat.obj"])
+def test_without_a_folded_form_a_mesh_is_the_flat_sheet_alone(here, target):
+    flat = fan(6, 10.0)
+    (here / "good.fold").write_bytes(fold_bytes(flat, "fan"))
+    result = run("good.fold", target)
+    assert result.exit_code == 0, result.output
+    assert "without its 6 mountains and valleys" in result.output
+    assert names_in(here) == ["good.fold", target]
+    read = read_any([here / target])
+    wanted = flat.vertices_coords - flat.vertices_coords.min(axis=0)
+    assert np.array_equal(read.pattern.vertices_coords, wanted)
+    assert np.array_equal(read.pattern.faces_vertices, flat.faces_vertices)
+    assert read.pattern.counts()["U"] == 6
 
 
 def test_conversion_from_python_needs_no_command_line(tmp_path):
