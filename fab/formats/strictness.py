@@ -8,7 +8,7 @@ from pathlib import Path
 from fab.errors import Finding, InvalidFile, Severity
 from fab.formats.read_options import ReadOptions
 
-__all__ = ["FACTS", "is_repair", "require_no_repairs"]
+__all__ = ["FACTS", "is_repair", "require_no_repairs", "with_lost"]
 
 # What is as it was drawn, or as the user said: the pattern means nothing else than the file. Lines
 # that cross, or of which one ends on another, are drawn so on purpose, and meet where they do; ends
@@ -17,7 +17,10 @@ FACTS = frozenset(
     {
         # of the file
         "auxiliary-lines",
+        "colours-unused",
         "comment-lines",
+        "faces-rebuilt",
+        "fold-deg-unused",
         "frame-turned",
         "group-opacity",
         "half-missing",
@@ -26,6 +29,8 @@ FACTS = frozenset(
         # left out, as it is no crease
         "elements-skipped",
         "entities-skipped",
+        "layer-unplotted",
+        "layers-hidden",
         "line-without-length",
         "not-lines",
         "paper-space",
@@ -53,7 +58,22 @@ FACTS = frozenset(
     }
 )
 # Facts whatever their severity; the others are guesses where they are warnings.
-_WARNINGS_TOO = frozenset({"border-hull", "border-inside", "crease-dangling", "letters-contradict"})
+_WARNINGS_TOO = frozenset(
+    {
+        *("border-hull", "border-inside", "crease-dangling", "letters-contradict"),
+        *("colours-unused", "fold-deg-unused"),
+    }
+)
+
+
+# What may lack in the drawing where the rest of it is refused.
+_LOST = frozenset({"entities-skipped", "layers-hidden", "layer-unplotted", "not-lines"})
+
+
+def with_lost(refusal: str, findings: Sequence[Finding]) -> str:
+    """A refusal, and what the reader could not read or left out before it."""
+    lost = [f for f in findings if f.severity != Severity.NOTE or f.code in _LOST]
+    return " ".join([refusal, *(f"Before that: {finding.text}" for finding in lost)])
 
 
 def is_repair(finding: Finding) -> bool:
