@@ -119,6 +119,13 @@ def refused(folder, *words):
     return result.output
 
 
+@pytest.mark.parametrize("ending", FORMATS)
+def test_colours_without_effect_are_told(here, ending):
+    _, output = converted(here, written(here, ending), "--colours", "#ff8800=mountain,lost=cut")
+    assert "colours-unused: --colours: no line" in output
+    assert "'#ff8800', 'lost'" in output
+
+
 def test_all_formats_that_are_read_are_tried():
     assert {f".{ending}" for ending in FORMATS} == set(READ)
 
@@ -342,6 +349,12 @@ def test_border_inside_of_the_sheet(here):
     pattern, output = converted(here, drawing, "--inner-border", "cut")
     assert counts_of(pattern) == {"B": 6, "C": 1}
     assert "border-inside" in output
+
+
+def test_refusals_say_what_could_not_be_read(here):
+    drawing = svg(here, '<path d="M0 0L100 0L100 60L0 x" stroke="black"/>')
+    output = refused(here, "convert", drawing, "a.fold")
+    assert "the data of 1 shape cannot be read to the end" in output
 
 
 def test_fold_angles_where_none_are_given(here):

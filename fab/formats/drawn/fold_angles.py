@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from fab.errors import Finding, Severity, first_few
-from fab.formats.drawn.line_soup import UNLETTERED
+from fab.formats.drawn.line_soup import UNLETTERED, Letters
 from fab.formats.drawn.lines import Lines, places_of
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG
@@ -69,10 +69,13 @@ def with_fold_angles(
             findings.append(_of_lines("fold-angle-measured", Severity.NOTE, text, lines, rows))
         angles = np.where(lacking, measured, angles)
     rows = np.flatnonzero(np.isnan(angles) & (sign != 0) & ~flat)
+    if options.fold_deg is not None and not (np.isnan(angles) & (sign != 0)).any():
+        findings += _unused(options, letters)
     if len(rows) and options.fold_deg is None:
         text = f"{lines.named(rows)} without fold angle: folded by {full:g} degrees."
         if none_given:
-            text = f"{none_given}: mountains and valleys fold by {full:g} degrees."
+            text = f"{none_given}: mountains and valleys fold by {full:g} degrees. "
+            text += "Give their angle with --fold-deg."
             rows = rows[:0]
         findings.append(_of_lines("fold-angle-missing", Severity.NOTE, text, lines, rows))
     signed = np.where(angles > 0, "V", np.where(angles < 0, "M", "F"))
@@ -99,6 +102,17 @@ def with_fold_angles(
         findings.append(_of_lines("fold-angle-contradicts", Severity.WARNING, text, lines, wrong))
         angles[wrong] = sign[wrong] * np.abs(angles[wrong])
     return replace(lines, letters=letters, angles=angles), findings
+
+
+def _unused(options: ReadOptions, letters: Letters) -> list[Finding]:
+    """The finding of an angle that is given for creases of which there are none."""
+    if options.rigid or (options.assign and bool(np.isin(letters, ["U", UNLETTERED]).any())):
+        return []
+    text = (
+        f"--fold-deg {options.fold_deg:g} has no effect: no mountain or valley is without a fold "
+        "angle."
+    )
+    return [Finding("fold-deg-unused", Severity.WARNING, text)]
 
 
 def full_fold_deg(options: ReadOptions) -> float:

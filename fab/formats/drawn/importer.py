@@ -22,7 +22,7 @@ from fab.formats.drawn.sheet_pattern import SheetPattern, sheet_pattern
 from fab.formats.drawn.tolerance import tolerance_of
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
-from fab.formats.strictness import require_no_repairs
+from fab.formats.strictness import require_no_repairs, with_lost
 from fab.formats.units import unit_unknown
 from fab.geometry.planar_regions import Regions, points_within
 from solver.errors import InvalidValue, require_positive
@@ -48,8 +48,8 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     "lines-overlap", "zero-length-line", "border-hull", "border-found", "border-unmarked",
     "border-inside", "border-shared", "page-frame", "line-outside", "island-joined",
     "fold-angle-missing", "fold-angle-contradicts", "fold-angle-zero"; and, as no repairs,
-    "lines-split", "runs-joined", "hole", "crease-dangling", "letters-assignable",
-    "letters-assigned", "letters-contradict".
+    "fold-deg-unused", "lines-split", "runs-joined", "hole", "crease-dangling",
+    "letters-assignable", "letters-assigned", "letters-contradict".
     """
     options = ReadOptions() if options is None else options
     if soup.border_is_cut:
@@ -68,8 +68,11 @@ def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> Patt
     require_range(soup.path, coords.reshape(-1, 2), "drawing in mm")
     given = "" if (~np.isnan(soup.lines_foldAngle)).any() else "the drawing gives no fold angles"
     drawn = DrawnLines(coords, lines)
-    sheet, _ = imported_lines(drawn, options, joins_runs=True)
-    made = pattern_of_sheet(sheet, None, options, none_given=given)
+    try:
+        sheet, _ = imported_lines(drawn, options, joins_runs=True)
+        made = pattern_of_sheet(sheet, None, options, none_given=given)
+    except InvalidFile as error:
+        raise InvalidFile(with_lost(str(error), soup.findings)) from error
     findings += findings_of(sheet, made)
     require_no_repairs(soup.path, findings, options)
     return PatternFile(

@@ -9,13 +9,20 @@ from __future__ import annotations
 import colorsys
 import re
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 
 from fab.errors import Finding, Severity, did_you_mean
 from solver.errors import InvalidValue
 
-__all__ = ["colour_of", "letter_of", "parse_colours", "unlettered_finding"]
+__all__ = [
+    "colour_of",
+    "key_of",
+    "letter_of",
+    "parse_colours",
+    "unlettered_finding",
+    "unused_colours",
+]
 
 # Words in the names of layers that say what their lines are, without accents and in lower case.
 _WORDS = {
@@ -185,6 +192,36 @@ def parse_colours(text: str) -> dict[str, str]:
                     "colours", repr(own), "have one assignment", "Remove one of the two entries."
                 )
     return out
+
+
+def unused_colours(colours: Mapping[str, str], keys: Collection[str]) -> list[Finding]:
+    """The finding of what the user gives a letter that nothing in a file has.
+
+    colours : of `parse_colours`. keys : of the names and colours of all lines (`key_of`).
+    Code: "colours-unused".
+    """
+    groups: dict[str, list[str]] = {}
+    for key in colours:  # a name of a colour is there as both
+        found = colour_of(key)
+        groups.setdefault(key if found is None else found[0], []).append(key)
+    unused = [own[-1] for own in groups.values() if not any(key in keys for key in own)]
+    if not unused:
+        return []
+    listed = ", ".join(map(repr, unused[:_LISTED]))
+    listed += f" and {len(unused) - _LISTED} more" if len(unused) > _LISTED else ""
+    hint = did_you_mean(unused[0], sorted(keys))
+    text = f"--colours: no line of the file has the colour, layer or name {listed}.{hint}"
+    return [Finding("colours-unused", Severity.WARNING, text)]
+
+
+def key_of(text: str) -> str:
+    """What `parse_colours` makes of a colour or a name.
+
+    >>> key_of("red"), key_of("Layer 2")
+    ('#ff0000', 'layer 2')
+    """
+    found = colour_of(text)
+    return _key(text) if found is None else found[0]
 
 
 def unlettered_finding(counts: Mapping[str, int]) -> Finding:

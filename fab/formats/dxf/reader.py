@@ -17,9 +17,9 @@ import numpy as np
 from ezdxf.colors import aci2rgb
 from ezdxf.document import Drawing
 
-from fab.errors import Finding, InvalidFile, Severity
+from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
-from fab.formats.drawn.letters import letter_of, unlettered_finding
+from fab.formats.drawn.letters import key_of, letter_of, unlettered_finding, unused_colours
 from fab.formats.drawn.line_soup import UNLETTERED, LineSoup
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.dxf.curves import DRAWN, flattened, is_curved, weight
@@ -48,6 +48,8 @@ _NO_LINES = frozenset(
         *("DIMENSION", "ARC_DIMENSION", "POINT", "VIEWPORT", "IMAGE", "OLE2FRAME", "SEQEND"),
     ]
 )
+# The layer of points that dimensions keep, which is never plotted.
+_UNPLOTTED = "defpoints"
 # Layers of ORIPA and Oriedita whose names mean something else than their words.
 _ORIPA = frozenset(["MountainLine", "ValleyLine"])
 _ORIPA_LETTERS = {"CutLine": "B", "noname": "F"}
@@ -88,6 +90,7 @@ class _LeftOut:
     kinds: Counter[str] = field(default_factory=Counter)
     hidden: Counter[str] = field(default_factory=Counter)
     damaged: Counter[str] = field(default_factory=Counter)
+    unplotted: Counter[str] = field(default_factory=Counter)
 
 
 def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
@@ -102,8 +105,8 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     Raises `InvalidFile` for files that cannot be read, without lines, over the bounds, with blocks
     that contain themselves, and for drawings in an upright plane. Codes of the findings:
     "file-recovered", "unit-imperial", "paper-space", "entities-skipped", "layers-hidden",
-    "entities-damaged", "curves-flattened", "off-plane", "colour-unknown", and those of
-    `join_dashes` and `recovered_sheet`.
+    "layer-unplotted", "entities-damaged", "curves-flattened", "off-plane", "colour-unknown",
+    "colours-unused", and those of `join_dashes` and `recovered_sheet`.
     """
     document, recovered = read_document(path)
     mm = mm_per_unit_of(document)
@@ -233,6 +236,8 @@ class _Walk:
                 self.left_out.kinds[kind] += 1
             elif self._is_hidden(entity, layer):
                 self.left_out.hidden[layer] += 1
+            elif kind != "INSERT" and layer.casefold() == _UNPLOTTED:
+                self.left_out.unplotted[kind] += 1
             elif kind == "INSERT":
                 yield from self._inserted(entity, layer, matrix, style)
             else:
@@ -379,7 +384,14 @@ def _left_out_findings(left_out: _LeftOut) -> list[Finding]:
             f"{what} left out as invisible, on layers that are off or frozen: "
             f"{_listed(left_out.hidden, quoted=True)}. Show these layers to read them."
         )
-        out.append(Finding("layers-hidden", Severity.WARNING, text))
+        out.append(Finding("layers-hidden", Severity.NOTE, text))
+    if left_out.unplotted:
+        count = sum(left_out.unplotted.values())
+        text = (
+            f"{counted(count, 'line or curve', 'lines and curves')} on the layer Defpoints, which "
+            "CAD programs never plot: left out. Move creases to another layer."
+        )
+        out.append(Finding("layer-unplotted", Severity.NOTE, text))
     if left_out.damaged:
         listed = _listed(left_out.damaged)
         text = f"left out, as their numbers make no line: {listed}. Draw them again."
@@ -435,4 +447,7 @@ def _letters(drawn: list[_Drawn], colours: Mapping[str, str]) -> tuple[Any, list
             unknown[one.colour or one.layer] += 1
         letters.append(letter or UNLETTERED)
     findings = [unlettered_finding(unknown)] if unknown else []
+    if colours:
+        keys = {key_of(text) for one in drawn for text in (one.layer, one.colour or "")}
+        findings += unused_colours(colours, keys)
     return np.array(letters, dtype="U1"), findings

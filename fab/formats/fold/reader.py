@@ -21,6 +21,7 @@ from fab.formats.drawn.importer import (
     imported_lines,
     pattern_of_sheet,
 )
+from fab.formats.drawn.letters import unused_colours
 from fab.formats.drawn.line_soup import LETTERS, UNLETTERED, Letters
 from fab.formats.drawn.lines import Lines, listed, place_of, places_of
 from fab.formats.drawn.planar_lines import DrawnLines, ranks_of
@@ -92,7 +93,7 @@ def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFi
 
 def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
     """As `read_fold`, from the frames of a file, whose name is in the messages."""
-    findings = list(frames.findings)
+    findings = [*frames.findings, *unused_colours(options.colours, ())]
     flat = frames.flat
     scale, found = _scale(file, flat, options)
     findings += found

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity
-from fab.formats.drawn.letters import letter_of
+from fab.formats.drawn.letters import key_of, letter_of, unused_colours
 from fab.formats.drawn.line_soup import LineSoup
 from fab.formats.read_options import ReadOptions
 from solver.vectors import FloatArray, IntArray
@@ -46,7 +46,7 @@ def oripa_soup(
     Letters are those of the names, unless the options give another one. Borders within the sheet
     are cuts: ORIPA calls their type "cut". Raises `InvalidFile` where
     there are no lines, and for numbers that are not finite. Codes of the findings: "line-type",
-    "auxiliary-lines".
+    "auxiliary-lines", "colours-unused".
     """
     types, rows = lines
     if not len(rows):
@@ -83,6 +83,7 @@ def oripa_soup(
             f'another assignment with --colours "auxiliary=unassigned".'
         )
         out.append(Finding("auxiliary-lines", Severity.NOTE, text))
+    out += unused_colours(options.colours, set(map(key_of, names)))
     count = len(rows)
     return LineSoup(
         path,

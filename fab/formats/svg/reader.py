@@ -18,10 +18,11 @@ import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
-from fab.formats.drawn.letters import unlettered_finding
+from fab.formats.drawn.letters import unlettered_finding, unused_colours
 from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
+from fab.formats.strictness import with_lost
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.safe_xml import Document, read_xml
 from fab.formats.svg.styles import local_name
@@ -85,6 +86,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     coords, element, letters, angles = _lines(path, taken)
     findings = _unit_findings(page, options, px_mm, of_program)
     findings += _left_out_findings(drawing)
+    findings += unused_colours(options.colours, drawing.keys)
     curves = sum(shape.drawn.curves for shape in taken)
     if curves:
         chords = len(coords)
@@ -208,8 +210,11 @@ def _chosen(path: Path, drawing: Drawing) -> tuple[list[Shape], bool]:
         )
     what = f" It has {_listed(left_out)} alone." if left_out else ""
     raise InvalidFile(
-        f"{path}: the drawing has no line.{what} Draw the outline and the creases as lines with a "
-        "stroke."
+        with_lost(
+            f"{path}: the drawing has no line.{what} Draw the outline and the creases as lines "
+            "with a stroke.",
+            _fault_findings(drawing),
+        )
     )
 
 
@@ -352,6 +357,11 @@ def _left_out_findings(drawing: Drawing) -> list[Finding]:
         out.append(
             Finding("not-lines", Severity.NOTE, f"left out, as no lines: {_listed(left_out)}.")
         )
+    return [*out, *_fault_findings(drawing)]
+
+
+def _fault_findings(drawing: Drawing) -> list[Finding]:
+    out = []
     for kind, (code, severity, text, thing) in _FAULTS.items():
         if count := drawing.faults[kind]:
             first = drawing.first_fault[kind]

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from fab.errors import InvalidFile
-from fab.formats.drawn.letters import colour_of, letter_of
+from fab.formats.drawn.letters import colour_of, key_of, letter_of
 from fab.formats.drawn.line_soup import LETTERS
 from fab.formats.drawn.own_sheets import OPERATIONS
 from fab.formats.svg.lengths import require_lengths
@@ -102,12 +102,15 @@ class Shape:
 
 @dataclass
 class Drawing:
-    """All shapes of a file, and what was left out."""
+    """All shapes of a file, what was left out, and keys of colours and names where some have
+    letters.
+    """
 
     shapes: list[Shape] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
     faults: Counter[str] = field(default_factory=Counter)
     first_fault: dict[str, str] = field(default_factory=dict)
+    keys: set[str] = field(default_factory=set)
 
     def fault(self, kind: str, element: str) -> None:
         self.faults[kind] += 1
@@ -356,6 +359,8 @@ def _shape(
         return None
     colour = stroke if stroked else fill if filled else None
     letter = letter_of(colour, names, colours)
+    if colours:
+        out.keys.update(map(key_of, [*names, *([] if colour is None else [colour])]))
     alpha = 1.0
     if stroked and (found := colour_of(stroke)) is not None:
         alpha = found[1]

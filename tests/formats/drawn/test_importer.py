@@ -288,6 +288,13 @@ def test_angles_are_given_asked_for_or_full():
     pattern, findings = imported(rows, ReadOptions(fold_deg=90), angles=angles)
     assert -90 in pattern.edges_foldAngle
     assert "fold-angle-missing" not in findings
+    assert "fold-deg-unused" not in findings
+    for strict in (False, True):
+        angles = [np.nan] * 4 + [45, -10, -20, np.nan]
+        _, findings = imported(rows, ReadOptions(fold_deg=90, strict=strict), angles=angles)
+        assert "no mountain or valley" in findings["fold-deg-unused"].text
+    _, findings = imported([*SQUARE, ("?", 0, 0, 100, 100)], ReadOptions(fold_deg=90, assign=True))
+    assert "fold-deg-unused" not in findings
     with pytest.raises(InvalidValue, match="fold_deg"):
         imported(rows, ReadOptions(fold_deg=200))
     pattern, _ = imported([*SQUARE, ("?", 0, 0, 100, 100)])

@@ -2,7 +2,14 @@
 
 import pytest
 
-from fab.formats.drawn.letters import colour_of, letter_of, parse_colours, unlettered_finding
+from fab.formats.drawn.letters import (
+    colour_of,
+    key_of,
+    letter_of,
+    parse_colours,
+    unlettered_finding,
+    unused_colours,
+)
 from solver.errors import InvalidValue
 
 
@@ -137,6 +144,16 @@ def test_the_finding_lists_the_commonest_and_counts_the_rest():
     assert "9 #000009" in finding.text
     assert "6 of 3 other colours" in finding.text
     assert '--colours "#000009=mountain"' in finding.text
+
+
+def test_colours_that_nothing_has_are_named():
+    colours = parse_colours("red=mountain,#00F=valley,blue layer=valley,navy=cut")
+    keys = {key_of(text) for text in ("Red", "#000080", "blue Layers")}
+    (finding,) = unused_colours(colours, keys)
+    assert "name '#0000ff', 'blue layer'" in finding.text
+    assert unused_colours(colours, keys | {"#0000ff", "blue layer"}) == []
+    (finding,) = unused_colours(parse_colours("blue layer=valley"), keys)
+    assert "Did you mean blue layers?" in finding.text
 
 
 def test_layers_with_parentheses_and_paints_without_a_colour_are_named():

@@ -214,7 +214,20 @@ def test_what_is_left_out_is_counted(drawing, tmp_path):
     assert "3 TEXT, 1 3DFACE, 1 HATCH, 1 MLINE. Explode them" in skipped.text
     assert skipped.severity == Severity.WARNING
     assert "1 on '0', 1 on 'cold', 1 on 'off'" in found(soup, "layers-hidden").text
+    assert found(soup, "layers-hidden").severity == Severity.NOTE  # as in SVG files
     assert "1 INSERT" in found(soup, "entities-damaged").text
+
+
+def test_what_is_never_plotted_is_left_out(drawing, tmp_path):
+    space = drawing.modelspace()
+    space.add_line((0, 0), (10, 0))
+    for layer in ("Defpoints", "DEFPOINTS"):
+        space.add_line((0, 1), (10, 1), {"layer": layer})
+    drawing.blocks.new("B").add_line((0, 3), (10, 3), {"layer": "Mountain"})
+    space.add_blockref("B", (0, 0), {"layer": "Defpoints"})
+    soup = read(drawing, tmp_path)
+    assert soup.lines_coords[:, 0, 1].tolist() == [0, 3]
+    assert found(soup, "layer-unplotted").text.startswith("2 lines and curves on the layer")
 
 
 def test_whole_ellipses_and_closed_splines_are_closed_curves_anywhere(drawing, tmp_path):
