@@ -105,11 +105,8 @@ def _advice(number: int, sheet: SurfaceSheet, count: int) -> str:
     off = float(np.abs(sheet.deviations).max(initial=0.0)) / sheet.step
     if sheet.advice:
         return f"{name}: {sheet.advice}"
-    if sheet.inexact > 1e-9:
-        return (
-            f"{name} has faces with reflex corners, and does not fold from flat. More columns, or "
-            "another zigzag, row_step or turn may help."
-        )
+    if not sheet.exact:
+        return f"{name} has faces that are not convex, and does not unfold. Try more columns."
     if sheet.crossings:
         return (
             f"{name} crosses itself in {sheet.crossings} pairs of faces. More columns, a smaller "

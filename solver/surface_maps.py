@@ -299,14 +299,17 @@ def _stations(coords: FloatArray, faces: IntArray, height: FloatArray) -> tuple[
     opposite = np.stack([third - second, first - third, second - first], axis=1)
     hats = np.cross((normal / doubled[:, None])[:, None], opposite) / doubled[:, None, None]
     steep = norm((height[faces][:, :, None] * hats).sum(axis=1))
-    middle = height[faces].mean(axis=1)
-    station = np.minimum((middle * _STATIONS).astype(int), _STATIONS - 1)
-    area = np.bincount(station, doubled / 2, _STATIONS)
-    weight = np.bincount(station, doubled / 2 * steep, _STATIONS)
-    # the area between two level sets is the girth times their distance; girth = flux-weighted
-    known = np.flatnonzero(weight > 0)
-    girth = np.interp(np.arange(_STATIONS), known, weight[known] * _STATIONS)
-    thick = np.interp(np.arange(_STATIONS), known, area[known]) / girth
+    low, middle, high = np.sort(height[faces], axis=1).T
+    widest = np.divide(doubled * steep, high - low, out=np.zeros_like(low), where=high > low)
+    girth, thick = np.zeros(_STATIONS), np.zeros(_STATIONS)
+    for k, level in enumerate((np.arange(_STATIONS) + 0.5) / _STATIONS):
+        across = np.flatnonzero((low < level) & (level < high))
+        # the level's line through a triangle is longest at its middle corner
+        below = level <= middle[across]
+        end = np.where(below, low[across], high[across])
+        length = widest[across] * (level - end) / (middle[across] - end)
+        girth[k] = length.sum()
+        thick[k] = (length / steep[across]).sum() / _STATIONS / girth[k]
     along = np.concatenate([[0.0], np.cumsum(thick)])
     return along, float((girth * thick).sum() / along[-1])
 

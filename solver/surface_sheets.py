@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count
-from solver.measure import developability, planarity
+from solver.measure import developability
 from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube, rim_planes
 from solver.relaxation.method import RelaxationStatus
@@ -55,7 +55,8 @@ _CHOICES = 2
 # What a good sheet covers and how far at most it is off its offsets, in steps.
 _COVERED = 0.99
 _OFF = 0.15
-_EXACT = 1e-9
+# Radians by which the sectors around a vertex of an exact sheet differ from a full turn.
+_EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
 _MOST_COLUMNS = 400
@@ -74,9 +75,7 @@ class SurfaceSheet:
     deviations : signed distances of vertices from their offsets, in the surface's units, shape
         (n,); positive on the side of its normals.
     coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
-    least_sector : smallest sector angle, radians. inexact : largest of what faces are off their
-        planes, relative, and sectors off a full turn, radians, as `solver.measure` has them: also
-        where a face has a reflex corner, which relaxation takes for its lesser angle.
+    least_sector : smallest sector angle, radians.
     step : unit of the cell. pleats, turn : what was chosen.
     """
 
@@ -89,7 +88,6 @@ class SurfaceSheet:
     coverage: float
     crossings: int
     least_sector: float
-    inexact: float
     step: float
     pleats: Pleats
     turn: float
@@ -100,9 +98,15 @@ class SurfaceSheet:
         return self.faults == 0
 
     @property
+    def exact(self) -> bool:
+        """Whether it unfolds: relaxation counts a reflex sector by the angle on its other side."""
+        excess = developability(self.mesh.vertices_coords, self.mesh.faces_vertices)
+        return float(excess.max(initial=0.0)) <= _EXCESS
+
+    @property
     def faults(self) -> float:
         """How much is wrong with it: 0 of a good one."""
-        inexact = self.status is not RelaxationStatus.RELAXED or self.inexact > _EXACT
+        inexact = self.status is not RelaxationStatus.RELAXED or not self.exact
         off = float(np.abs(self.deviations).max(initial=0.0)) / self.step
         return (
             100.0 * inexact
@@ -278,7 +282,7 @@ class _Search:
             return None
         mesh = fit.mesh if sheet.closed else trimmed(lay.target, fit.mesh)
         thickness = sheet.cell.thickness
-        mesh_arrays = mesh.vertices_coords, mesh.faces_vertices
+        held = [(mesh.vertices_coords, mesh.faces_vertices)]
         return SurfaceSheet(
             mesh,
             lay.target.mesh,
@@ -286,10 +290,9 @@ class _Search:
             fit.relaxation.advice,
             fit.relaxation.rounds,
             fit.deviations * sheet.cell.step,
-            float(covered(lay.target, [mesh_arrays], 2 * thickness).mean()),
+            float(covered(lay.target, held, 2 * thickness).mean()),
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
             _least_sector(mesh),
-            max(float(planarity(*mesh_arrays).max()), float(developability(*mesh_arrays).max())),
             sheet.cell.step / pleats.stretch,
             pleats,
             turn,
