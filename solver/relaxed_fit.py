@@ -84,7 +84,7 @@ def _told(found: SurfaceSheets, smoothing: float) -> Growth:
         "zigzag": first.pleats.zigzag,
         "row_step": first.pleats.spacing,
         "thickness": first.pleats.thickness,
-        "turn": first.turn,
+        "turn_deg": float(np.degrees(first.turn)),
         "step": first.step,
     }
     if smoothing > 0:

@@ -125,7 +125,7 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
 def test_the_pair_of_one_target_differs_by_its_zigzag_alone():
     """Figure S12: the same counts, zigzags of one to two, and rows on the same two offsets."""
     jobs = [load_job(TEMPLATES / f"waves_{name}.toml") for name in ("narrow", "wide")]
-    narrow, wide = (job.design.design(job.folder) for job in jobs)
+    narrow, wide = (job.design.design(job.folder)[0] for job in jobs)
     assert replace(narrow, zigzag=2 * narrow.zigzag) == wide
     growths = [design.grow() for design in (narrow, wide)]
     assert growths[0].mesh.grid.shape == growths[1].mesh.grid.shape == (45, 41)
@@ -145,7 +145,8 @@ def test_there_is_a_template_for_every_design():
 def test_designs_of_the_job_are_those_of_the_solver_by_default():
     for kind, cls in DESIGNS.items():
         job = parse_job({**SMALL, "design": {"kind": kind}})
-        design = job.design.design(job.folder)
+        design, findings = job.design.design(job.folder)
+        assert findings == ()
         for name in cls.__dataclass_fields__:
             value, default = getattr(design, name), getattr(cls(), name)
             exact = default is None or isinstance(default, str)
@@ -412,22 +413,49 @@ def surface_job(**design):
     return {**SMALL, "design": {"kind": "surface_fit", "columns": 12, **design}}
 
 
-def test_a_job_may_follow_a_mesh_beside_it(tmp_path):
+def bowl(folder):
     x, y = np.meshgrid(np.linspace(-50, 50, 60), np.linspace(-40, 40, 60))
     corners = np.arange(3600).reshape(60, 60)
     quads = [corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]]
     points = np.column_stack([x.ravel(), y.ravel(), 0.002 * (x**2 + y**2).ravel()])
     lines = [f"v {a:.6f} {b:.6f} {c:.6f}" for a, b, c in points]
     lines += ["f " + " ".join(map(str, face)) for face in np.stack(quads, -1).reshape(-1, 4) + 1]
-    (tmp_path / "my bowl.obj").write_text("\n".join(lines))
-    job = parse_job(surface_job(surface="my bowl.obj"), folder=tmp_path)
+    (folder / "my bowl.obj").write_text("\n".join(lines))
+    return "my bowl.obj"
+
+
+@pytest.mark.parametrize("design", [{"method": "grow"}, {"up": [0.0, 0.0, 1.0]}])
+def test_a_sheet_may_be_grown_on_a_mesh_beside_the_job(tmp_path, design):
+    job = parse_job(surface_job(surface=bowl(tmp_path), **design), folder=tmp_path)
     made = make(job, [Format.FOLD])
     assert made.within_tolerance, made.findings
-    assert made.report["growth"]["coverage"] > 0.95
-    assert set(made.report["growth"]["chosen"]) == {"zigzag", "row_step", "turn_deg"}
+    growth = made.report["growth"]
+    assert growth["status"] == "grown"
+    assert growth["coverage"] > 0.95
+    assert set(growth["chosen"]) == {"zigzag", "row_step", "turn_deg"}
+    assert "deviation" not in growth
     wide = made.report["bounding_box_mm"]["folded"]
     assert made.report["job"]["design"]["surface"] == "my bowl.obj"
     assert max(wide) > 30.0
+
+
+def test_a_sheet_is_relaxed_onto_a_mesh_beside_the_job_by_default(tmp_path):
+    made = make(parse_job(surface_job(surface=bowl(tmp_path)), folder=tmp_path), [Format.FOLD])
+    assert made.within_tolerance, made.findings
+    assert not [finding for finding in made.findings if finding.severity == "error"]
+    growth = made.report["growth"]
+    assert growth["status"] == "grown"
+    assert growth["coverage"] > 0.99
+    assert {"sheets", "zigzag", "row_step", "thickness", "turn_deg", "step"} <= set(
+        growth["chosen"]
+    )
+    assert growth["chosen"]["sheets"] == 1
+    # distances are in millimetres of the made sheet, whose scale is that of its box
+    deviation = growth["deviation"]
+    step = growth["chosen"]["step"] * max(made.report["bounding_box_mm"]["folded"]) / 100
+    assert deviation["lowest_mm"] <= deviation["mean_mm"] <= deviation["highest_mm"]
+    assert abs(deviation["mean_mm"]) <= deviation["rms_mm"]
+    assert max(-deviation["lowest_mm"], deviation["highest_mm"]) < 0.2 * step
 
 
 @pytest.mark.parametrize(

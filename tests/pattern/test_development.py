@@ -15,6 +15,7 @@ from fab.pattern.development import develop
 from fab.pattern.overlap import overlapping_faces
 from solver import CurvedFold, InvalidValue, Miura, QuadMesh
 from solver.mesh import edges_of
+from solver.relaxed_fit import joined
 
 
 def test_f4d_unfolds_to_the_published_flat_shape():
@@ -183,3 +184,36 @@ def test_a_curve_and_a_face_without_area_are_refused():
         develop(QuadMesh.from_rows(line[None]))
     with pytest.raises(InvalidValue, match="area of face 0"):
         develop(QuadMesh.from_rows(np.stack([line * [1, 0, 0], line * [2, 0, 0]])))
+
+
+def test_pieces_are_laid_side_by_side():
+    """Each is unfolded as alone, in boxes that are apart; overlaps keep their own faces."""
+    parts = [Miura(columns=n, rows=m).grow().mesh for n, m in ((4, 3), (6, 2), (3, 3))]
+    both = joined(parts)
+    development = develop(both)
+    assert development.isometry_max_rel < 1e-12
+    assert development.closure_max < 1e-12
+    assert len(development.overlaps) == 0
+    flat = development.vertices_coords
+    assert flat.min(axis=0) == pytest.approx([0, 0], abs=1e-12)
+    hulls, start = [], 0
+    for part in parts:
+        stop = start + len(part.vertices_coords)
+        alone = develop(part).vertices_coords
+        assert turned_onto(alone, flat[start:stop]) == pytest.approx(flat[start:stop], abs=1e-9)
+        hulls.append(shapely.minimum_rotated_rectangle(shapely.multipoints(flat[start:stop])))
+        start = stop
+    size = max(float(np.ptp(develop(part).vertices_coords, axis=0).max()) for part in parts)
+    for first, second in combinations(hulls, 2):
+        assert first.distance(second) > 0.029 * size
+    areas = ring_areas(
+        flat[both.faces_vertices].reshape(-1, 2), np.arange(len(both.faces_vertices) + 1) * 4
+    )
+    assert areas.min() > 0
+
+
+def test_overlaps_of_a_piece_are_named_in_the_whole():
+    first, second = Miura(columns=4, rows=3).grow().mesh, CurvedFold().grow().mesh
+    both = develop(joined([first, second])).overlaps
+    np.testing.assert_array_equal(both, develop(second).overlaps + len(first.faces_vertices))
+    assert len(both) > 0

@@ -1,0 +1,208 @@
+"""Sheets for surfaces of any topology: exact, without crossings, over all of the surface."""
+
+import numpy as np
+import pytest
+import trimesh
+from surface_meshes import cap, grid, mesh_of, torus
+
+from solver import InvalidState, InvalidValue, QuadMesh, Status, developability, planarity
+from solver.relaxation.laying import Pleats, laid_patch, laid_tube
+from solver.relaxed_fit import joined, relaxed_fit, sampled
+from solver.self_intersection import crossing_faces
+from solver.surface_maps import cylinder_map, disc_map
+from solver.surface_sheets import SurfaceSheet, surface_sheets
+from solver.targets import explicit_surface
+from solver.targets.mesh_target import MeshTarget
+from solver.targets.surface_mesh import MeshKind
+
+
+def ball():
+    made = trimesh.creation.icosphere(2)
+    return mesh_of((np.array(made.vertices), np.array(made.faces)))
+
+
+def tube():
+    def f(u, v):
+        out = 1 + 0.1 * np.cos(v)
+        return out * np.cos(u), out * np.sin(u), v
+
+    return mesh_of(grid(f, 36, 16, u=(0, 2 * np.pi), v=(-1, 1), around=(True, False)))
+
+
+def require_made(sheet):
+    coords, faces = sheet.mesh.vertices_coords, sheet.mesh.faces_vertices
+    assert planarity(coords, faces).max() < 1e-12
+    assert developability(coords, faces).max() < 1e-12
+    assert len(crossing_faces(coords, *sheet.mesh.polygons)) == sheet.crossings == 0
+    assert sheet.coverage >= 0.99
+    assert np.abs(sheet.deviations).max() <= 0.15 * sheet.step
+    assert sheet.good
+    assert sheet.faults == 0
+    assert 0 < sheet.least_sector < np.pi / 2
+
+
+def test_a_cap_is_covered_by_one_exact_sheet():
+    mesh = mesh_of(cap(np.pi / 3, 12, 36))
+    steps = []
+    found = surface_sheets(mesh, 10, progress=lambda done, of: steps.append((done, of)))
+    (sheet,) = found.sheets
+    require_made(sheet)
+    assert found.good
+    assert found.coverage > 0.99
+    assert sheet.part is mesh
+    assert [done for done, _ in steps] == list(range(1, len(steps) + 1))
+    assert all(done <= of for done, of in steps)
+    again = surface_sheets(mesh, 10).sheets[0].mesh
+    np.testing.assert_array_equal(again.vertices_coords, sheet.mesh.vertices_coords)
+
+
+def test_a_tube_is_covered_by_one_exact_tube():
+    found = surface_sheets(tube(), 12)
+    (sheet,) = found.sheets
+    require_made(sheet)
+    assert sheet.mesh.closed
+    assert sheet.mesh.grid.shape[1] == 12
+    assert found.coverage > 0.99
+
+
+def test_a_ball_takes_two_sheets_or_more():
+    mesh = ball()
+    found = surface_sheets(mesh, 8, turns=[0.0], pleats=[Pleats()], most_sheets=4)
+    assert 2 <= len(found.sheets) <= 4
+    assert sum(sheet.part.area for sheet in found.sheets) == pytest.approx(mesh.area)
+    assert {sheet.part.kind for sheet in found.sheets} == {MeshKind.DISC}
+    assert found.coverage > 0.95
+    with pytest.raises(InvalidState, match="closed surface cannot be covered by one sheet"):
+        surface_sheets(mesh, 8, most_sheets=1)
+
+
+def test_a_torus_is_opened_for_a_single_sheet():
+    found = surface_sheets(
+        mesh_of(torus(24, 12)), 8, most_sheets=1, pleats=[Pleats(zigzag=0.5)], turns=[0.0]
+    )
+    assert len(found.sheets) == 1
+    assert found.sheets[0].part.kind is MeshKind.RING
+
+
+@pytest.mark.parametrize(
+    ("columns", "most", "text"),
+    [
+        (3, 8, "columns = 3 is out of bounds: it must be from 4 to"),
+        (401, 8, "columns = 401 is out of bounds: it must be at most 400"),
+        (8, 0, "most_sheets = 0 is out of bounds: it must be from 1 to"),
+    ],
+)
+def test_numbers_out_of_bounds_are_refused(columns, most, text):
+    with pytest.raises(InvalidValue, match=text):
+        surface_sheets(mesh_of(cap(1.0, 4, 12)), columns, most_sheets=most)
+
+
+def test_an_interrupted_search_keeps_the_best_so_far():
+    mesh = mesh_of(cap(np.pi / 3, 12, 36))
+    asked = []
+
+    def interrupted():
+        asked.append(True)
+        return len(asked) > 3
+
+    found = surface_sheets(mesh, 10, interrupted=interrupted)
+    (sheet,) = found.sheets
+    assert not found.good
+    assert sheet.advice
+    assert sheet.rounds < 5
+    assert len(asked) < 20
+    assert len(sheet.mesh.faces_vertices) > 50
+
+
+def test_a_sheet_with_a_reflex_face_is_not_good():
+    """The constraint of vertices counts such a sector by the angle on its other side."""
+    coords = np.stack([*np.mgrid[:3, :3][::-1].astype(float), np.zeros((3, 3))], axis=-1)
+    coords[0, 0] = 0.9, 0.9, 0  # beyond the diagonal of its face: the corner at (1, 1) is reflex
+    coords[1, 1] = 0.3, 0.3, 0
+    mesh = QuadMesh.from_rows(coords)
+    flat = QuadMesh.from_rows(np.stack([*np.mgrid[:3, :3][::-1], np.zeros((3, 3))], -1) * 1.0)
+    good = surface_sheets(
+        mesh_of(grid(lambda u, v: (u, v, 0 * u), 6, 6)), 4, turns=[0.0], pleats=[Pleats()]
+    ).sheets[0]
+    for sheet, exact in ((flat, True), (mesh, False)):
+        values = {name: getattr(good, name) for name in SurfaceSheet.__dataclass_fields__}
+        made = SurfaceSheet(**values | {"mesh": sheet})
+        assert made.exact is exact
+        assert made.good is (exact and good.good)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_patch_is_laid_over_all_of_the_map(turn):
+    mesh = mesh_of(cap(1.0, 8, 24))
+    corners = disc_map(mesh)
+    target = MeshTarget(mesh, corners)
+    sheet = laid_patch(target, 9, Pleats(zigzag=1.0), turn)
+    kept = sheet.kept.ravel()
+    assert kept.sum() < kept.size  # a disc leaves corners of the grid out
+    used = sheet.base.reshape(-1, 2)[np.unique(sheet.faces_vertices)]
+    axis = np.array([np.cos(turn), np.sin(turn)])
+    wide = np.ptp(corners.reshape(-1, 2) @ axis)
+    assert np.ptp(used @ axis) >= wide - 1e-9
+    # neighbours along a line are a ninth of the map's width apart, in its direction
+    step = np.diff(sheet.base, axis=1).reshape(-1, 2)
+    assert step == pytest.approx(np.broadcast_to(axis * wide / 9, step.shape), abs=1e-9)
+
+
+@pytest.mark.parametrize(("around", "columns"), [(12, 12), (13, 14)])
+def test_a_tube_is_laid_evenly_around_from_rim_to_rim(around, columns):
+    corners, period = cylinder_map(tube())
+    sheet = laid_tube(MeshTarget(tube(), corners), period, around, Pleats())
+    assert sheet.shape[1] == columns
+    assert sheet.period == (period, 0.0)
+    assert sheet.base[0, :, 0] == pytest.approx(period * np.arange(columns) / columns)
+    assert sheet.base[0, :, 1] == pytest.approx(0)
+    assert sheet.base[-1, :, 1] == pytest.approx(corners[..., 1].max())
+
+
+@pytest.mark.parametrize("values", [{"zigzag": 0.0}, {"stretch": 0.01}, {"spacing": np.nan}])
+def test_cells_out_of_bounds_are_refused(values):
+    with pytest.raises(InvalidValue, match=next(iter(values))):
+        Pleats(**values)
+
+
+def test_a_sampled_surface_is_its_largest_piece():
+    mesh = sampled(explicit_surface(lambda x, y: 0.2 * (x * x - y * y)))
+    assert mesh.kind is MeshKind.DISC
+    x, y, z = mesh.vertices_coords.T
+    assert z == pytest.approx(0.2 * (x * x - y * y), abs=1e-12)
+    assert np.ptp(mesh.vertices_coords, axis=0)[:2] == pytest.approx([2, 2])
+
+
+def test_a_fit_is_told_as_growth():
+    growth = relaxed_fit(mesh_of(cap(np.pi / 3, 12, 36)), 10, turn=0.0, zigzag=2.0)
+    assert growth.status is Status.GROWN
+    assert growth.advice == ""
+    assert growth.coverage > 0.99
+    assert growth.chosen["turn_deg"] == 0.0
+    assert growth.chosen["zigzag"] == 2.0
+    assert len(growth.deviations)
+
+
+def test_a_surface_that_no_sheet_follows_is_told_with_advice(monkeypatch):
+    monkeypatch.setattr("solver.relaxed_fit.PLEATS", (Pleats(),))
+    bad = relaxed_fit(mesh_of(cap(np.pi / 3, 8, 24)), 4, turn=0.0, thickness=12.0)
+    assert bad.status is Status.NOT_FITTED
+    assert bad.advice
+
+
+def test_joined_patches_keep_their_faces_and_grids():
+    first, second = (
+        QuadMesh.from_rows(
+            np.stack([*np.mgrid[:rows, :columns].astype(float), np.full((rows, columns), z)], -1)
+        )
+        for rows, columns, z in ((3, 4, 0.0), (2, 5, 7.0))
+    )
+    both = joined([first, second])
+    assert both.grid.shape == (6, 5)
+    assert (both.grid[:3, 4] == -1).all()
+    assert (both.grid[3] == -1).all()
+    assert both.grid[4:].tolist() == (second.grid + 12).tolist()
+    assert len(both.faces_vertices) == len(first.faces_vertices) + len(second.faces_vertices)
+    corners = both.vertices_coords[both.faces_vertices]
+    np.testing.assert_array_equal(corners[:6], first.vertices_coords[first.faces_vertices])
+    np.testing.assert_array_equal(corners[6:], second.vertices_coords[second.faces_vertices])
