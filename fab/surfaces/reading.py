@@ -47,7 +47,8 @@ def read_surface_mesh(path: str | Path, faces: int | Sequence[int] | None = None
     else:
         if faces is not None:
             cure = "Faces are chosen in STEP files; a mesh is followed as a whole."
-            raise InvalidValue("faces", faces, "be None for a mesh", cure)
+            name = "face" if isinstance(faces, int) else "faces"
+            raise InvalidValue(name, faces, "be None for a mesh", cure)
         soup = read_triangles(file, size)
     try:
         clean = clean_mesh(soup)
