@@ -61,7 +61,7 @@ _EXCESS = 1e-9
 _FIRST_COLUMNS = 24
 _MOST_COLUMNS = 400
 # A surface is halved at most so often.
-_MOST_HALVINGS = 3
+_MOST_HALVINGS = 2
 
 
 @dataclass(frozen=True)
