@@ -111,8 +111,11 @@ def principal_turn(corners_uv: FloatArray) -> float:
     """
     area = np.abs(_turned(corners_uv))
     middle = corners_uv.mean(axis=1)
-    arm = middle - (area[:, None] * middle).sum(axis=0) / area.sum()
-    spread = (area[:, None, None] * arm[:, :, None] * arm[:, None]).sum(axis=0)
+    centroid = (area[:, None] * middle).sum(axis=0) / area.sum()
+    # three corners and nine times the middle have the second moments of a triangle
+    arms = np.concatenate([corners_uv, 3 * (middle - centroid)[:, None] + centroid], axis=1)
+    arms = arms - centroid
+    spread = np.einsum("f,fki,fkj->ij", area, arms, arms)
     if np.hypot(spread[0, 0] - spread[1, 1], 2 * spread[0, 1]) <= 1e-6 * np.trace(spread):
         return 0.0  # as long as wide
     return float(np.arctan2(2 * spread[0, 1], spread[0, 0] - spread[1, 1]) / 2)
