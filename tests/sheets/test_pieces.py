@@ -42,7 +42,7 @@ def pattern_of(mesh: QuadMesh, scale: float) -> CreasePattern:
 @cache
 def template(name: str, *changes: str) -> CreasePattern:
     job = load_job(TEMPLATES / f"{name}.toml", changes)
-    mesh = job.design.design(job.folder).grow().mesh.cut_open()
+    mesh = job.design.design(job.folder)[0].grow().mesh.cut_open()
     development = develop(mesh)
     return crease_pattern(mesh, development, job.sheet.scale(development))
 
