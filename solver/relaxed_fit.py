@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from solver.errors import InvalidState
 from solver.graphs import labels
@@ -15,12 +16,14 @@ from solver.surface_sheets import PLEATS, TURNS, SurfaceSheet, SurfaceSheets, su
 from solver.targets.base import Target
 from solver.targets.smoothing import smoothed, smoothing_length
 from solver.targets.surface_mesh import SurfaceMesh
-from solver.vectors import FloatArray, IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["joined", "relaxed_fit", "sampled"]
 
 # Quads along either parameter by which a surface with formulas is sampled.
 _SAMPLES = 96
+# Samples at its sides are the same where they are nearer than this share of its size.
+_SAME = 1e-9
 
 
 def relaxed_fit(
@@ -139,12 +142,16 @@ def joined(meshes: list[QuadMesh]) -> QuadMesh:
 def sampled(target: Target) -> SurfaceMesh:
     """Triangles of the part of a target that is within its domain; its largest piece.
 
-    Raises `InvalidState` where nothing is.
+    Where sides of the square of its parameters coincide, or shrink to a point, the triangles are
+    joined, so that a surface that closes on itself is closed.
+
+    Raises `InvalidState` where nothing is within the domain.
     """
     u = np.linspace(-1, 1, _SAMPLES + 1)
     places = target.places(np.stack(np.meshgrid(u, u, indexing="ij"), axis=-1).reshape(-1, 2))
-    inside = target.inside(places) & np.isfinite(target.point(places)).all(axis=1)
-    number = np.arange(len(u) ** 2).reshape(len(u), -1)
+    coords = target.point(places)
+    inside = target.inside(places) & np.isfinite(coords).all(axis=1)
+    number = _joined_sides(coords, inside).reshape(len(u), -1)
     quads = np.stack(
         [number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1
     ).reshape(-1, 4)
@@ -158,9 +165,21 @@ def sampled(target: Target) -> SurfaceMesh:
     same = which.ravel()[order][1:] == which.ravel()[order][:-1]
     piece = labels(np.column_stack([of[order][:-1][same], of[order][1:][same]]), len(quads))
     quads = quads[piece == np.bincount(piece).argmax()]
-    used = np.unique(quads)
-    rank = np.full(len(places), -1)
-    rank[used] = np.arange(len(used))
-    quads = rank[quads]
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return SurfaceMesh.of(target.point(places)[used], triangles)
+    triangles = triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
+    used, triangles = np.unique(triangles, return_inverse=True)
+    return SurfaceMesh.of(coords[used], triangles.reshape(-1, 3))
+
+
+def _joined_sides(coords: FloatArray, inside: BoolArray) -> IntArray:
+    """The number of each sample, (n,); the same for samples at the sides that coincide."""
+    number = np.arange(len(coords))
+    grid = number.reshape(_SAMPLES + 1, -1)
+    rim = np.unique(np.concatenate([grid[0], grid[-1], grid[:, 0], grid[:, -1]]))
+    rim = rim[inside[rim]]
+    if len(rim):
+        near = _SAME * float(np.ptp(coords[inside], axis=0).max())
+        group = labels(cKDTree(coords[rim]).query_pairs(near, output_type="ndarray"), len(rim))
+        _, first = np.unique(group, return_index=True)
+        number[rim] = rim[first[group]]
+    return number

@@ -68,6 +68,11 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
         f"developability {report['developability_max_rad']:.1e} rad, "
         f"isometry {report['isometry_max_rel']:.1e}"
     )
+    boxes = {
+        form: " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"][form])
+        for form in ("flat", "folded")
+    }
+    yield f"flat {boxes['flat']} mm; folded {boxes['folded']} mm"
     if report["growth"]["coverage"] is not None:
         yield f"{report['growth']['coverage']:.1%} of the surface is under the sheet"
 

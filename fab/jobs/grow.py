@@ -57,7 +57,7 @@ def unfolded(mesh: QuadMesh, size: SheetSize) -> tuple[QuadMesh, CreasePattern, 
     """
     opened = mesh.cut_open()  # rings and tubes are cut along a seam to be flat
     development = develop(opened)
-    pattern = crease_pattern(opened, development, size.scale(development))
+    pattern = crease_pattern(opened, development, size.scale(development, opened.vertices_coords))
     return opened, pattern, development.overlaps
 
 

@@ -6,22 +6,27 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Union
 
+import numpy as np
 from pydantic import Field, PrivateAttr, create_model, model_validator
 
+from fab.errors import InvalidJob
 from fab.folding.fold_settings import FoldSettings
 from fab.jobs.design_settings import SHIPPED_DESIGNS
 from fab.pattern.development import Development
 from fab.printing.thick_settings import ThickSettings
 from fab.settings import Settings, apply_change, checked, read_toml
 from fab.sheets.perforation_settings import PerforationSettings
+from solver.vectors import FloatArray
 
 __all__ = ["Job", "SheetSettings", "SheetSize", "load_job", "parse_job"]
 
 _CURE = "`quadfold new` copies a complete job."
+# A folded sheet has no height if it is less than this share of its longest side.
+_FLAT = 1e-9
 
 
 class SheetSize(Settings):
-    """How large the flat sheet is; exactly one of the two."""
+    """How large the sheet is, flat or folded; exactly one of the four."""
 
     width_mm: float | None = Field(
         default=None, gt=0, le=1e5, description="longer side of the flat sheet"
@@ -29,22 +34,43 @@ class SheetSize(Settings):
     scale_mm_per_unit: float | None = Field(
         default=None, gt=0, le=1e8, description="mm per design unit"
     )
+    folded_width_mm: float | None = Field(
+        default=None, gt=0, le=1e5, description="longest side, along x, y or z, of the folded sheet"
+    )
+    folded_height_mm: float | None = Field(
+        default=None, gt=0, le=1e5, description="extent of the folded sheet along z"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> SheetSize:
-        if (self.width_mm is None) == (self.scale_mm_per_unit is None):
-            raise ValueError(
-                f"width_mm = {self.width_mm} and scale_mm_per_unit = {self.scale_mm_per_unit}, "
-                "give exactly one of them"
-            )
-        return self
+        given = {key: value for key, value in self.model_dump().items() if value is not None}
+        if len(given) == 1:
+            return self
+        keys = ", ".join(type(self).model_fields)
+        if not given:
+            raise ValueError(f"the sheet has no size, give exactly one of {keys}")
+        values = " and ".join(f"{key} = {value}" for key, value in given.items())
+        raise ValueError(f"{values} are given, give exactly one of {keys}")
 
-    def scale(self, development: Development) -> float:
-        """Millimetres per design unit."""
+    def scale(self, development: Development, folded_coords: FloatArray) -> float:
+        """Millimetres per design unit, for a sheet that is folded to these vertices, (n, 3).
+
+        Raises `InvalidJob` for folded_height_mm where the folded sheet has no extent along z.
+        """
         if self.scale_mm_per_unit is not None:
             return self.scale_mm_per_unit
-        assert self.width_mm is not None  # the validator's promise
-        return self.width_mm / float(development.vertices_coords.max())
+        if self.width_mm is not None:
+            return self.width_mm / float(development.vertices_coords.max())
+        box = np.ptp(folded_coords, axis=0)
+        if self.folded_width_mm is not None:
+            return self.folded_width_mm / float(box.max())
+        assert self.folded_height_mm is not None  # the validator's promise
+        if box[2] <= _FLAT * box.max():
+            raise InvalidJob(
+                f"sheet.folded_height_mm = {self.folded_height_mm:g}: the folded sheet is flat "
+                "along z. Give folded_width_mm or width_mm in its place."
+            )
+        return self.folded_height_mm / float(box[2])
 
 
 class SheetSettings(ThickSettings):

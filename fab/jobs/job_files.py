@@ -119,6 +119,8 @@ def from_mesh(
     *,
     width_mm: float | None = None,
     scale_mm_per_unit: float | None = None,
+    folded_width_mm: float | None = None,
+    folded_height_mm: float | None = None,
     name: str = "sheet",
     closed: bool = False,
     settings: Mapping[str, Any] | None = None,
@@ -128,7 +130,8 @@ def from_mesh(
 
     mesh : a `QuadMesh`, or the rows of its vertices, shape (rows, columns, 3).
 
-    width_mm, scale_mm_per_unit : the longer side of the flat sheet, or the size of a unit; one of
+    width_mm, scale_mm_per_unit, folded_width_mm, folded_height_mm : the longer side of the flat
+    sheet, the size of a unit, the longest side of the folded sheet, or its extent along z; one of
     them.
 
     closed : whether rows are loops, whose first vertex is not repeated.
@@ -147,7 +150,12 @@ def from_mesh(
     >>> sorted(sheet.make(["fold"]).files)
     ['report.json', 'sheet.fold']
     """
-    size = {"width_mm": width_mm, "scale_mm_per_unit": scale_mm_per_unit}
+    size = {
+        "width_mm": width_mm,
+        "scale_mm_per_unit": scale_mm_per_unit,
+        "folded_width_mm": folded_width_mm,
+        "folded_height_mm": folded_height_mm,
+    }
     document = {**(settings or {}), "name": name, "sheet": size}
     tables = checked(SheetSettings, document, "settings", "Give it as in a job.")
     tables._folder = Path(folder)

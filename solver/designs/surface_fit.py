@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solver.designs.shells import SHELLS
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.growth import Growth
@@ -85,6 +86,7 @@ SURFACES: dict[str, Target] = {
     "landscape": ParametricSurface(_landscape),
     "paraboloid": ParametricSurface(_paraboloid),
     "waves": ParametricSurface(_waves, _wave_derivatives),
+    **SHELLS,
 }
 
 
@@ -134,7 +136,7 @@ class SurfaceFit:
                     "surface",
                     target,
                     f"be one of {names}",
-                    "A job can also name a file (STL, OBJ, PLY or STEP) there.",
+                    "A job can also name a file (STL, OBJ, PLY, STEP and others) there.",
                 )
             target = SURFACES[target]
         elif not isinstance(target, SurfaceMesh) and not hasattr(target, "distance"):
