@@ -338,8 +338,9 @@ def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     from fab.pattern.picture import png_bytes
 
     name = sheet.settings.name
-    with clock.stage("png"):
-        return _Part({f"{name}.png": png_bytes(sheet.pattern, name)})
+    relaxed = sheet.growth is not None and sheet.growth.deviations is not None
+    with clock.stage("png"):  # surfaces that sheets are relaxed onto have an upper side
+        return _Part({f"{name}.png": png_bytes(sheet.pattern, name, upright=relaxed)})
 
 
 def _number(value: float) -> float | None:

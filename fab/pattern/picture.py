@@ -19,10 +19,12 @@ _LIGHT = unit(np.array([-0.4, -0.5, 0.9]))
 _UPPER, _LOWER = np.array([0.96, 0.84, 0.62]), np.array([0.62, 0.74, 0.86])
 
 
-def png_bytes(pattern: CreasePattern, title: str) -> bytes:
+def png_bytes(pattern: CreasePattern, title: str, *, upright: bool = False) -> bytes:
     """Folded form on the left (where it is known), crease pattern on the right, 1600 x 800 pixels.
 
     Red mountains, blue valleys, black outline; the upper side of the sheet is sand, the lower blue.
+
+    upright : whether the folded form stands with z upwards; else its longest directions lie flat.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection
@@ -35,7 +37,7 @@ def png_bytes(pattern: CreasePattern, title: str) -> bytes:
     edge_count = len(pattern.edges_vertices)
     if folded is not None:
         space: Any = figure.add_axes((0.0, 0.0, 0.5, 1.0), projection="3d", proj_type="ortho")
-        turned = folded @ principal_axes(folded).T
+        turned = folded if upright else folded @ principal_axes(folded).T
         bounds = pattern.faces_offsets.tolist()
         faces = [turned[pattern.faces_vertices[i:j]] for i, j in pairwise(bounds)]
         space.view_init(elev=35, azim=-60)

@@ -49,17 +49,17 @@ def _turned(
 
 def _bonnet(u: FloatArray, v: FloatArray) -> FloatArray:
     """Rounded across, lower and narrower at its front (u = 1), with a raised middle."""
-    sides = 0.18 * v**4
-    middle = 0.06 * np.exp(-((v / 0.45) ** 4)) * (1 - 0.5 * u)
+    sides = 0.3 * np.abs(v) ** 3
+    middle = 0.08 * np.exp(-((v / 0.45) ** 4)) * (1 - 0.5 * u)
     return np.column_stack(
-        [1.2 * u, v * (1 - 0.12 * u), 0.3 - 0.08 * (1 + u) ** 2 / 2 - sides + middle]
+        [1.2 * u, v * (1 - 0.12 * u), 0.3 - 0.07 * (1 + u) ** 2 - sides + middle]
     )
 
 
 def _canopy(u: FloatArray, v: FloatArray) -> FloatArray:
     """A shell roof that stands on its four corners, with an arch between each two."""
-    a = 0.4 * np.pi
-    return np.column_stack([1.2 * u, v, 0.5 * np.cos(a * u) + 0.4 * np.cos(a * v)])
+    a = 0.45 * np.pi
+    return np.column_stack([1.2 * u, v, 0.6 * np.cos(a * u) + 0.5 * np.cos(a * v)])
 
 
 SHELLS: dict[str, Target] = {
@@ -68,5 +68,5 @@ SHELLS: dict[str, Target] = {
     "canopy": ParametricSurface(_canopy),
     "dome": ParametricSurface(_dome),
     "lamp_shade": ParametricSurface(_turned(lambda v: 0.75 - 0.3 * v + 0.08 * v**2, 0.8)),
-    "vase": ParametricSurface(_turned(lambda v: 0.6 + 0.22 * np.cos(np.pi * (v + 0.3)), 1.3)),
+    "vase": ParametricSurface(_turned(lambda v: 0.6 + 0.2 * np.cos(0.9 * np.pi * (v + 0.3)), 1.3)),
 }
