@@ -75,11 +75,11 @@ def test_every_template_is_exact_and_without_errors(name):
         ("brownian_ribbon", 10, (4, 5, 22), (300.0, 298.291976), 19),
         ("surface_fit", 1760, (1738, 1698, 168), (600.0, 465.795138), 5196),
         ("dome", 663, (639, 629, 116), (840.077578, 630.088096), None),
-        ("vase", 560, (546, 526, 96), (614.170224, 366.328229), None),
+        ("vase", 560, (546, 526, 96), (613.964514, 365.239817), None),
         ("bowl", 484, (456, 463, 98), (588.470118, 446.498745), None),
-        ("bonnet", 552, (531, 524, 98), (445.114449, 395.036878), None),
-        ("canopy", 701, (671, 673, 116), (674.225055, 647.188639), None),
-        ("lamp_shade", 352, (336, 325, 86), (1069.101385, 430.12101), None),
+        ("bonnet", 550, (529, 520, 102), (452.21746, 400.419894), None),
+        ("canopy", 701, (671, 673, 116), (674.258771, 647.085835), None),
+        ("lamp_shade", 352, (336, 325, 86), (1068.551368, 428.792997), None),
         ("barrel", 2344, (2273, 2315, 200), (600.0, 554.008688), None),
         ("cylinder", 2716, (2682, 2642, 216), (600.0, 568.300734), None),
         ("hourglass", 2660, (2614, 2592, 228), (600.0, 550.795699), None),
@@ -121,7 +121,9 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
     report = made_template(name).report
     assert report["counts"]["faces"] == faces
     assert tuple(report["counts"]["creases"][letter] for letter in "MVB") == creases
-    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, rel=2e-5)
+    # a relaxed sheet is at a minimum, which is flat: other processors end a little beside it
+    near = 2e-3 if "deviation" in report["growth"] else 2e-5
+    assert report["bounding_box_mm"]["flat"] == pytest.approx(flat_mm, rel=near)
     if solids is None:
         assert report["solids"] is None
     else:
