@@ -30,7 +30,9 @@ Surface fitting, S4
 Sheets that fold rigidly and flat, marched from a row and a column, with their one motion
     `march`, `RigidSheet`; modules `rigid_march` and `flat_foldable`.
 Relaxation: all vertices of a sheet at once, onto any surface
-    `relax`, `relaxed_sheet` and their terms; package `solver.relaxation`.
+    `relax`, `relaxed_sheet` and their terms; package `solver.relaxation`. As many sheets as a
+    surface needs: `relaxed_fit`, `surface_sheets`; modules of these names. Maps of surfaces, cuts
+    and cover: modules `surface_maps`, `surface_cuts`, `surface_cover`.
 Designs of the figures
     `Miura`, `CurvedFold` and the others of `DESIGNS`; package `solver.designs`.
 Exactness of the result

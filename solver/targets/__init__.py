@@ -1,4 +1,4 @@
-"""Target surfaces of `solver.fit_surface`: what a sheet follows, between two offsets of it.
+"""Target surfaces: what a sheet follows, between two offsets of it, grown or relaxed.
 
 A `Target` gives points, unit normals, signed distances and a domain, all by places whose first two
 numbers are the parameters u and v in [-1, 1]. Six kinds are here; any class with the methods of
@@ -14,7 +14,8 @@ numbers are the parameters u and v in [-1, 1]. Six kinds are here; any class wit
 | any of these with u and v turned | `TurnedTarget` | `parametric` |
 
 A `SurfaceMesh` has known topology (`MeshKind`); `smoothed`, `noise_level` and `smoothing_length`
-(module `smoothing`), `decimated` and `refined` make others of it.
+(module `smoothing`), `decimated` and `refined` make others of it. Any other target is one by
+`solver.relaxed_fit.sampled`; named ones are in `solver.designs.surface_fit` and `.shells`.
 
 `ray_hit` (module `base`) finds where rays meet an offset of any of them.
 """

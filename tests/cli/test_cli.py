@@ -412,10 +412,37 @@ def test_the_job_of_the_readme_is_a_job():
 
     from fab.jobs.job import parse_job
 
-    job, surface = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert parse_job(tomllib.loads(job)).name == "miura"
-    whole = {**tomllib.loads(job), **tomllib.loads(surface)}
-    assert parse_job(whole).design.model_dump()["surface"] == "dome.stl"
+    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    job, dome, grown = map(tomllib.loads, blocks)
+    assert parse_job(job).name == "miura"
+    assert parse_job(dome).sheet.folded_width_mm == 300.0
+    assert parse_job({**job, **grown}).design.method == "grow"
+
+
+def test_the_dome_of_the_readme_is_made_from_its_file(here):
+    from solver.designs.surface_fit import SURFACES
+    from solver.relaxed_fit import sampled
+
+    mesh = sampled(SURFACES["dome"])
+    trimesh.Trimesh(80 * mesh.vertices_coords, mesh.faces_vertices).export("dome.stl")
+    (text,) = re.findall(
+        r'```toml\n(name = "dome".*?)```', (ROOT / "README.md").read_text(), re.DOTALL
+    )
+    Path("dome.toml").write_text(text)
+    words = ["--set", "design.columns=14", "--only", "fold", "--out", "out"]
+    result = run("run", "dome.toml", *words)
+    assert result.exit_code == 0, result.output
+    flat, folded = re.search(
+        r"^flat (.*) mm; folded (.*) mm$", result.output, re.MULTILINE
+    ).groups()
+    assert max(map(float, folded.split(" x "))) == 300.0
+    report = json.loads(Path("out/report.json").read_text())
+    assert [float(side) for side in flat.split(" x ")] == pytest.approx(
+        report["bounding_box_mm"]["flat"], rel=1e-3
+    )
+    assert report["growth"]["coverage"] > 0.99
+    assert set(report["growth"]["deviation"]) == {"mean_mm", "rms_mm", "lowest_mm", "highest_mm"}
+    assert report["growth"]["chosen"]["sheets"] == 1
 
 
 def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
