@@ -72,6 +72,8 @@ def trimmed(target: MeshTarget, mesh: QuadMesh) -> QuadMesh:
 
 def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:
     """The mesh without cells that are hardly over the surface, in one piece."""
+    if not share.any():
+        return mesh  # a sheet that went astray
     order = np.argsort(share, kind="stable")
     lost = np.cumsum(share[order]) <= _MAY_MISS * share.sum()
     drop = np.zeros(len(share), bool)

@@ -44,7 +44,7 @@ def template(name: str, *changes: str) -> CreasePattern:
     job = load_job(TEMPLATES / f"{name}.toml", changes)
     mesh = job.design.design(job.folder)[0].grow().mesh.cut_open()
     development = develop(mesh)
-    return crease_pattern(mesh, development, job.sheet.scale(development))
+    return crease_pattern(mesh, development, job.sheet.scale(development, mesh.vertices_coords))
 
 
 def grid(columns: int, rows: int, size: float, holes=(), triangles=False) -> CreasePattern:
