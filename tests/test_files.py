@@ -1,6 +1,9 @@
 """Paths that name no readable file are refused everywhere, in a line that fits on a screen."""
 
+import importlib
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -19,6 +22,10 @@ from fab.outputs import require_folder
 from fab.printing.printers import Printer
 
 LONG = "a" * 5000
+# The user that owns nothing, on all POSIX systems that matter.
+NOBODY = 65534
+# What is imported when a file is read: it may be closed to that user as well.
+LATE = ("encodings.utf_8_sig", "fab.jobs.own_designs", "fab.surfaces.reading")
 CASES = {
     "long": (LONG, "File name too long"),
     "NUL": ("a\0b", "null"),
@@ -42,7 +49,33 @@ READERS = {
 
 
 @pytest.fixture
-def place(tmp_path):
+def locked():
+    """Makes a file that may not be read, not even by root: who runs the test is nobody then."""
+    folder = Path(tempfile.mkdtemp())  # pytest's own folders are closed to others
+    left = []
+
+    def made(name):
+        path = folder / name
+        path.write_text("x")
+        path.chmod(0)
+        if hasattr(os, "seteuid") and os.geteuid() == 0:
+            for module in LATE:
+                importlib.import_module(module)
+            folder.chmod(0o755)
+            left.append(os.geteuid())
+            os.seteuid(NOBODY)
+        elif os.access(path, os.R_OK):
+            pytest.skip("files cannot be closed to their owner on this system")
+        return path
+
+    yield made
+    if left:
+        os.seteuid(left[0])
+    shutil.rmtree(folder)
+
+
+@pytest.fixture
+def place(tmp_path, locked):
     """Makes a path of a kind with an ending."""
 
     def of(kind, ending):
@@ -53,10 +86,7 @@ def place(tmp_path):
         elif kind == "through a file":
             (tmp_path / "file").write_text("")
         elif kind == "locked":
-            path.write_text("x")
-            path.chmod(0)
-            if os.access(path, os.R_OK):
-                pytest.skip("this user may read everything")
+            path = locked(path.name)
         elif kind == "device":
             if not hasattr(os, "mkfifo"):
                 pytest.skip("no named pipes on this system")

@@ -1,7 +1,6 @@
 """Findings at the terminal: the most severe of each code, errors before warnings and notes."""
 
-import pytest
-from helpers import ROOT
+from shared_cases import shared_case
 
 from fab.cli.console import tell
 from fab.errors import Finding, Severity
@@ -43,9 +42,7 @@ def test_errors_come_first_and_equals_keep_their_order(capsys):
 
 def test_an_exit_code_of_1_has_an_error_on_the_terminal(capsys, tmp_path):
     """The crane whose overlap between states was shown in place of the one that failed it."""
-    path = ROOT.parent / "shared" / "cases" / "crane_plain.fold"
-    if not path.is_file():
-        pytest.skip(f"no {path.name} among the shared cases")
+    path = shared_case("crane_plain.fold")
     from fab import read_pattern
     from fab.pattern.crease_pattern import scaled
     from fab.printing.print_files import ThickFormat, make_thick

@@ -9,14 +9,13 @@ import re
 
 import pytest
 from click.testing import CliRunner
-from helpers import ROOT
+from shared_cases import shared_case
 
 from fab.cli.group import main
 from fab.errors import InvalidFile
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file
 
-CASES = ROOT.parent / "shared" / "cases"
 SHEET = ["--material", "card_300gsm", "--machine", "co2_60w_600x400", "--only", "dxf"]
 HULL, CUT, SECOND = (
     ReadOptions(border="hull"),
@@ -24,13 +23,6 @@ HULL, CUT, SECOND = (
     ReadOptions(frame=2),
 )
 FOUND = None
-
-
-def case(name):
-    path = CASES / name
-    if not path.is_file():
-        pytest.skip(f"no {name} in {CASES.parent.name}/{CASES.name}")
-    return path
 
 
 @pytest.mark.parametrize(
@@ -84,7 +76,7 @@ def case(name):
     ],
 )
 def test_cases_are_read_as_they_are_meant(name, options, counts, size, codes):
-    read = read_pattern_file(case(name), options)
+    read = read_pattern_file(shared_case(name), options)
     assert read.pattern.counts() == {"M": 0, "V": 0, "F": 0, "B": 0, **counts}
     assert read.pattern.vertices_coords.max(axis=0) == pytest.approx(size, rel=1e-6)
     assert codes <= {finding.code for finding in read.findings}
@@ -104,12 +96,12 @@ REFUSED = [
 @pytest.mark.parametrize(("name", "match"), REFUSED)
 def test_cases_that_mean_nothing_are_refused_with_place_and_cure(name, match):
     with pytest.raises(InvalidFile, match=match):
-        read_pattern_file(case(name))
+        read_pattern_file(shared_case(name))
 
 
 def test_ends_of_a_gap_that_are_joined_bring_a_mountain_onto_a_valley():
     with pytest.raises(InvalidFile, match="edge 5 is a mountain and edge 6 a valley"):
-        read_pattern_file(case("outline_gap_of_2mm.fold"), ReadOptions(merge_mm=2.5))
+        read_pattern_file(shared_case("outline_gap_of_2mm.fold"), ReadOptions(merge_mm=2.5))
 
 
 STRICT = [
@@ -120,14 +112,14 @@ STRICT = [
 
 @pytest.mark.parametrize("name", STRICT)
 def test_repairs_are_refused_where_none_are_wanted(name):
-    path = case(f"{name}.fold")
+    path = shared_case(f"{name}.fold")
     with pytest.raises(InvalidFile):
         read_pattern_file(path, ReadOptions(strict=True, fold_deg=180))
 
 
 @pytest.mark.parametrize("name", ["cross", "crease_ends_on_border"])
 def test_faces_between_edges_are_no_assumption(name):
-    read = read_pattern_file(case(f"{name}.fold"), ReadOptions(strict=True, fold_deg=180))
+    read = read_pattern_file(shared_case(f"{name}.fold"), ReadOptions(strict=True, fold_deg=180))
     assert "faces-rebuilt" in {finding.code for finding in read.findings}
 
 
@@ -155,7 +147,7 @@ def test_faces_between_edges_are_no_assumption(name):
     ],
 )
 def test_cases_are_fabricated_or_refused(tmp_path, name, code, text):
-    words = ["fabricate", str(case(name)), *SHEET, "--out", str(tmp_path), "--dry-run"]
+    words = ["fabricate", str(shared_case(name)), *SHEET, "--out", str(tmp_path), "--dry-run"]
     result = CliRunner().invoke(main, [*words, "--width-mm", "100"] if "os_" in name else words)
     assert result.exit_code == code, result.output
     assert re.search(text, result.output), result.output
@@ -181,7 +173,7 @@ SIMULATED = [
 
 @pytest.mark.parametrize(("name", "options", "code", "text", "codes"), SIMULATED)
 def test_cases_are_simulated(tmp_path, name, options, code, text, codes):
-    words = ["simulate", str(case(f"{name}.fold")), "--only", "fold", "--states", "5"]
+    words = ["simulate", str(shared_case(f"{name}.fold")), "--only", "fold", "--states", "5"]
     result = CliRunner().invoke(main, [*words, *options, "--out", str(tmp_path)])
     assert result.exit_code == code, result.output
     assert re.search(text, result.output), result.output
@@ -195,7 +187,7 @@ def test_cases_are_simulated(tmp_path, name, options, code, text, codes):
 
 def test_a_valley_of_angle_0_is_one_thing(tmp_path):
     """Blue when converted, and cut as a valley."""
-    path = str(case("valley_of_angle_0.fold"))
+    path = str(shared_case("valley_of_angle_0.fold"))
     for target in ("a.svg", "a.fold"):
         CliRunner().invoke(main, ["convert", path, str(tmp_path / target)], catch_exceptions=False)
     assert 'stroke="#0000ff" stroke-opacity="1"' in (tmp_path / "a.svg").read_text()
@@ -209,9 +201,9 @@ def test_a_valley_of_angle_0_is_one_thing(tmp_path):
 
 def test_what_we_convert_we_read_again(tmp_path):
     """Every case that can be read is written as FOLD and read without a repair."""
-    case("cross.fold")
+    folder = shared_case("cross.fold").parent
     done = 0
-    for path in sorted([*CASES.glob("*.fold"), *CASES.glob("*.obj")]):
+    for path in sorted([*folder.glob("*.fold"), *folder.glob("*.obj")]):
         first, second = tmp_path / "a.fold", tmp_path / "b.fold"
         result = CliRunner().invoke(main, ["convert", str(path), str(first)])
         if result.exit_code == 2:

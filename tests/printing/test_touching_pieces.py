@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 from flat_patterns import grid, pattern_of
-from helpers import ROOT
+from shared_cases import shared_case
 
 from fab import read_pattern
 from fab.printing.print_files import ThickFormat, make_thick
 from fab.printing.thick_settings import thick_settings
-
-CASE = ROOT.parent / "shared" / "cases" / "touch2.fold"
 
 
 def pieces(*corners):
@@ -89,8 +87,6 @@ def test_panels_of_one_piece_that_touch_in_a_corner_are_an_error():
 
 
 def test_the_case_of_two_sheets_that_touch():
-    if not CASE.is_file():
-        pytest.skip(f"no {CASE.name} among the shared cases")
-    made, bodies = printed(read_pattern(CASE)[0])
+    made, bodies = printed(read_pattern(shared_case("touch2.fold"))[0])
     assert bodies == 2
     assert made.report["bounding_box_mm"]["print"] == pytest.approx([80.3, 40, 1.6])

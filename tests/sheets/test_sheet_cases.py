@@ -12,19 +12,12 @@ import numpy as np
 import pytest
 import shapely
 from click.testing import CliRunner
-from helpers import PATTERNS, ROOT
+from helpers import PATTERNS
+from shared_cases import shared_case
 
 from fab.cli.group import main
 
-CASES = ROOT.parent / "shared" / "cases"
 KERF = 0.15
-
-
-def case(name):
-    path = CASES / name
-    if not path.is_file():
-        pytest.skip(f"no {name} in {CASES.parent.name}/{CASES.name}")
-    return path
 
 
 def fabricated(path, out, *words, machine="co2_60w_600x400"):
@@ -64,7 +57,7 @@ def closed_lengths(shapes):
     ],
 )
 def test_cuts_within_faces_are_cut(tmp_path, name, slits, around):
-    (lines,), _, _ = fabricated(case(name), tmp_path)
+    (lines,), _, _ = fabricated(shared_case(name), tmp_path)
     assert open_lengths(lines["CUT"]) == pytest.approx(slits)
     assert closed_lengths(lines["CUT"]) == pytest.approx([around + 4 * KERF])
 
@@ -83,7 +76,7 @@ def test_all_slits_of_a_popup_are_cut_whatever_the_format_calls_them(tmp_path, e
 
 
 def test_a_slot_narrower_than_the_kerf_is_one_line(tmp_path):
-    (lines,), _, output = fabricated(case("comb.fold"), tmp_path)
+    (lines,), _, output = fabricated(shared_case("comb.fold"), tmp_path)
     assert open_lengths(lines["CUT"]) == pytest.approx([40.0])
     assert closed_lengths(lines["CUT"]) == pytest.approx([320.6])
     assert "gap-narrower-than-kerf" in output
@@ -91,14 +84,14 @@ def test_a_slot_narrower_than_the_kerf_is_one_line(tmp_path):
 
 
 def test_edges_that_touch_when_folded_flat_have_no_tab(tmp_path):
-    (lines,), report, _ = fabricated(case("cupboard_fold.fold"), tmp_path)
+    (lines,), report, _ = fabricated(shared_case("cupboard_fold.fold"), tmp_path)
     assert report["glue_up"] == []
     assert closed_lengths(lines["CUT"]) == pytest.approx([2 * (120 + 80 + 2 * KERF)])
 
 
 def test_a_box_has_its_tabs_with_and_without_a_folded_form(tmp_path):
-    (net,), report, _ = fabricated(case("boxnet.fold"), tmp_path / "a")
-    (known,), other, _ = fabricated(case("boxnet_folded.fold"), tmp_path / "b")
+    (net,), report, _ = fabricated(shared_case("boxnet.fold"), tmp_path / "a")
+    (known,), other, _ = fabricated(shared_case("boxnet_folded.fold"), tmp_path / "b")
     assert len(report["glue_up"]) == len(other["glue_up"]) == 7
     assert net.keys() == known.keys()
     assert all(
@@ -107,7 +100,9 @@ def test_a_box_has_its_tabs_with_and_without_a_folded_form(tmp_path):
 
 
 def test_a_piece_lies_in_the_hole_of_another_and_is_cut_first(tmp_path):
-    (lines,), _, _ = fabricated(case("framepart.fold"), tmp_path, machine=case("bed_115.toml"))
+    (lines,), _, _ = fabricated(
+        shared_case("framepart.fold"), tmp_path, machine=shared_case("bed_115.toml")
+    )
     rings = [shapely.Polygon(ring) for ring in lines["CUT"]]
     assert shapely.area(rings) == pytest.approx(
         [(40 + KERF) ** 2, (70 - KERF) ** 2, (100 + KERF) ** 2], rel=1e-9
@@ -118,13 +113,13 @@ def test_a_piece_lies_in_the_hole_of_another_and_is_cut_first(tmp_path):
 
 
 def test_pages_are_the_bed(tmp_path):
-    fabricated(case("strip.fold"), tmp_path)
+    fabricated(shared_case("strip.fold"), tmp_path)
     root = ElementTree.parse(tmp_path / "strip_1.svg").getroot()
     assert (root.get("width"), root.get("height")) == ("600.000000mm", "400.000000mm")
 
 
 def test_a_sheet_without_a_unit_that_comes_out_tiny_is_a_warning(tmp_path):
-    path = case("unit_square.fold")
+    path = shared_case("unit_square.fold")
     _, report, output = fabricated(path, tmp_path / "a")
     assert "warning: sheet-small" in output
     assert "only 1 x 1 mm large. Give its longer side with --width-mm" in output
@@ -138,7 +133,7 @@ def test_a_sheet_without_a_unit_that_comes_out_tiny_is_a_warning(tmp_path):
 def test_a_border_between_two_faces_is_a_cut_on_request_with_faces_and_without(
     tmp_path, with_faces
 ):
-    data = json.loads(case("inner_border.fold").read_text())
+    data = json.loads(shared_case("inner_border.fold").read_text())
     if not with_faces:
         del data["faces_vertices"]
     path = tmp_path / "inner.fold"
@@ -165,7 +160,7 @@ def test_a_border_between_two_faces_is_a_cut_on_request_with_faces_and_without(
 def test_islands_holes_and_diagonals_are_whole_sheets(tmp_path, name, mountain, valley, holes):
     """Their creases are dashed from end to end, and joins are not drawn."""
     words = ("--width-mm", "100") if name == "keyhole.fold" else ()
-    (lines,), report, _ = fabricated(case(name), tmp_path, *words)
+    (lines,), report, _ = fabricated(shared_case(name), tmp_path, *words)
     assert len(report["pieces"]) == 1
     assert len(lines["CUT"]) == 1 + holes
     for layer, length in (("MOUNTAIN", mountain), ("VALLEY", valley)):

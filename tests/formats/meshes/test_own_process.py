@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from build123d import Cylinder, Sphere, export_step
 from helpers import ROOT
+from shared_cases import shared_case
 
 from fab.errors import InvalidFile
 from fab.formats.meshes import surface
@@ -22,7 +23,6 @@ from solver.errors import InvalidState, InvalidValue
 from solver.targets.mesh import MeshSurface
 
 ENOUGH = Bounds(60, 4000)
-CRASH = ROOT.parent / "shared" / "cases" / "step_crash"
 WORK = """
 import os, time
 import numpy as np
@@ -191,9 +191,8 @@ def test_large_meshes_are_read_in_a_process_of_their_own(tmp_path, monkeypatch):
 
 def test_a_model_that_crashes_its_reader_is_refused(tmp_path):
     """A job as users run it: exit code 2 and one line, not the signal of the library."""
-    if not CRASH.is_dir():
-        pytest.skip(f"no {CRASH.name} among the shared cases")
-    command = [sys.executable, "-m", "fab", "run", str(CRASH / "j.toml"), "--only", "fold"]
+    job = shared_case("step_crash") / "j.toml"
+    command = [sys.executable, "-m", "fab", "run", str(job), "--only", "fold"]
     done = subprocess.run(
         [*command, "--out", str(tmp_path)],
         capture_output=True,
