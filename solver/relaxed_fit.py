@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import cKDTree
 
-from solver.errors import InvalidState
+from solver.errors import InvalidState, require_count, require_finite, require_within
 from solver.graphs import labels
 from solver.growth import Growth, Status
 from solver.mesh import QuadMesh
@@ -46,17 +46,17 @@ def relaxed_fit(
         is not given is chosen.
     progress : called with the number of settings tried and about how many there are.
 
-    A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`), which
-    `Growth.chosen` then tells. Raises `InvalidValue` and `InvalidState` as `surface_sheets`.
+    A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`);
+    `Growth.chosen` then tells that length, and how far the copy is from the mesh at
+    most. Raises `InvalidValue` and `InvalidState` as `surface_sheets`.
     """
-    step = float(np.sqrt(mesh.area)) / columns
-    length = smoothing_length(mesh, step)
-    followed = mesh
-    if length > 0:
-        try:
-            followed = smoothed(mesh, length).mesh
-        except InvalidState:  # it would collapse: the surface is followed as it is
-            length = 0.0
+    require_count("columns", columns, 4, "A sheet needs vertices to follow a surface.")
+    for name, value in (("thickness", thickness), ("zigzag", zigzag), ("row_step", row_step)):
+        if value is not None:
+            require_within(name, value, 0.0, 1000.0, "It is counted in steps.")
+    if turn is not None:
+        require_finite("turn", turn)
+    followed, smoothing = _without_noise(mesh, float(np.sqrt(mesh.area)) / columns)
     tried = [
         Pleats(
             zigzag=usual.zigzag if zigzag is None else zigzag,
@@ -73,10 +73,25 @@ def relaxed_fit(
         turns=TURNS if turn is None else (turn,),
         progress=progress,
     )
-    return _told(found, length)
+    return _told(found, smoothing)
 
 
-def _told(found: SurfaceSheets, smoothing: float) -> Growth:
+def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[str, float]]:
+    """The surface that is followed, and what is told of its smoothing; nothing where it is none."""
+    length = smoothing_length(mesh, cell)
+    if length > 0:
+        try:
+            copy = smoothed(mesh, length)
+        except InvalidState:  # it would collapse: the surface is followed as it is
+            return mesh, {}
+        return copy.mesh, {
+            "smoothing_length": length,
+            "smoothing_moved": float(copy.distances.max()),
+        }
+    return mesh, {}
+
+
+def _told(found: SurfaceSheets, smoothing: dict[str, float]) -> Growth:
     sheets = found.sheets
     mesh = (
         joined([sheet.mesh.cut_open() for sheet in sheets]) if len(sheets) > 1 else sheets[0].mesh
@@ -90,8 +105,7 @@ def _told(found: SurfaceSheets, smoothing: float) -> Growth:
         "turn_deg": float(np.degrees(first.turn)),
         "step": first.step,
     }
-    if smoothing > 0:
-        chosen["smoothing_length"] = smoothing
+    chosen |= smoothing
     bad = [(number, sheet) for number, sheet in enumerate(sheets, 1) if not sheet.good]
     rows = sum(sheet.mesh.grid.shape[0] - 1 for sheet in sheets)
     deviations = np.concatenate([sheet.deviations for sheet in sheets])

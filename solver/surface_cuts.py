@@ -41,8 +41,9 @@ def opened(mesh: SurfaceMesh) -> SurfaceMesh | None:
     found: list[tuple[float, SurfaceMesh]] = []
     for axis in _principal_axes(mesh):
         coords, faces, side, on = _sliced(mesh, axis)
-        for line in np.unique(_lines(coords, faces, on)[on]):
-            cut = _cut_along(coords, faces, side, on, _lines(coords, faces, on), int(line))
+        lines = _lines(coords, faces, on)
+        for line in np.unique(lines[on]):
+            cut = _cut_along(coords, faces, side, on, lines, int(line))
             if cut is not None and cut[1].kind is wanted:
                 found.append(cut)
     return min(found, key=lambda pair: pair[0])[1] if found else None

@@ -17,9 +17,9 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from solver.errors import InvalidState
-from solver.graphs import labels
+from solver.graphs import edge_keys, labels
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
-from solver.vectors import FloatArray, IntArray, dot, norm, unit
+from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["cylinder_map", "disc_map", "principal_turn"]
 
@@ -51,7 +51,7 @@ def disc_map(mesh: SurfaceMesh) -> FloatArray:
     size = np.sqrt(mesh.area)
     coords = (coords - coords.mean(axis=0)) / size
     start = _conformal(coords, faces, mesh.boundary_loops[0])
-    if not (_doubled_areas(start, faces) > 0).all():
+    if not (_turned(start[faces]) > 0).all():
         if mesh.kind is not MeshKind.DISC:
             raise InvalidState("mesh", "the mesh cannot be laid flat", "Fill its holes, or cut it.")
         start = _barycentric(coords, faces, mesh.boundary_loops[0])
@@ -129,7 +129,7 @@ def _conformal(coords: FloatArray, faces: IntArray, loop: IntArray) -> FloatArra
     pinned = np.array([loop[0], far], np.int64)
     places = np.array([[0.0, 0.0], [float(norm(coords[far] - coords[loop[0]])), 0.0]])
     flat = np.asarray(igl.lscm(coords, faces, pinned, places)[0])
-    total = float(_doubled_areas(flat, faces).sum())
+    total = float(_turned(flat[faces]).sum())
     if not np.isfinite(total) or total == 0:
         return np.full((len(coords), 2), np.nan)
     if total < 0:
@@ -189,23 +189,20 @@ def _beyond_cut(mesh: SurfaceMesh, first: IntArray, last: IntArray) -> FloatArra
         way.append(int(before[way[-1]]))
     on_way = np.zeros(len(coords), bool)
     on_way[way] = True
-    steps = set(pairwise(way))
+    steps = np.array(list(pairwise(way)), np.int64).reshape(-1, 2)
+    count = len(coords)
+    walls = np.isin(edge_keys(ends, count), edge_keys(steps, count))
     # faces around the way, joined where they share an edge that is not on it
     touching = np.flatnonzero(on_way[faces].any(axis=1))
     rank = np.full(len(faces), -1)
     rank[touching] = np.arange(len(touching))
-    walls = np.zeros(len(ends), bool)
-    for k, (a, b) in enumerate(ends.tolist()):
-        walls[k] = (a, b) in steps or (b, a) in steps
     inner = ~walls & ~mesh.rim_edges & on_way[ends].any(axis=1)
     beside = rank[mesh.edges_faces[inner]]
     group = labels(beside[(beside >= 0).all(axis=1)], len(touching))
-    right = np.zeros(len(touching), bool)
-    for face in touching.tolist():
-        corners = faces[face].tolist()
-        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
-            if (b, a) in steps:
-                right |= group == group[rank[face]]
+    halves = np.stack([faces[touching], np.roll(faces[touching], -1, axis=1)], axis=-1)
+    back = edge_keys(steps[:, ::-1], count, directed=True)
+    against = np.isin(edge_keys(halves, count, directed=True), back).reshape(-1, 3).any(axis=1)
+    right = np.isin(group, group[against])
     out = np.zeros(faces.shape)
     out[touching] = on_way[faces[touching]] & right[:, None]
     return out
@@ -218,15 +215,9 @@ def _conjugate(
 
     jumps : what is added to its values at corners, shape (nf, 3).
     """
-    first, second, third = (coords[faces[:, k]] for k in range(3))
-    normal = np.cross(second - first, third - first)
-    doubled = norm(normal)
-    unit_normal = normal / doubled[:, None]
-    opposite = np.stack([third - second, first - third, second - first], axis=1)
-    # gradients of the hat functions: the opposite side, turned by 90 degrees, over twice the area
-    hats = np.cross(unit_normal[:, None], opposite) / doubled[:, None, None]
+    normal, doubled, hats = _hats(coords[faces])
     slope = (height[faces][:, :, None] * hats).sum(axis=1)
-    wanted = np.cross(unit_normal, slope) - (jumps[:, :, None] * hats).sum(axis=1)
+    wanted = np.cross(normal, slope) - (jumps[:, :, None] * hats).sum(axis=1)
     pull = doubled[:, None] / 2 * dot(hats, wanted[:, None])
     right = np.bincount(faces.ravel(), pull.ravel(), len(coords))
     out = np.zeros(len(coords))
@@ -296,11 +287,7 @@ def _evened(
 
 def _stations(coords: FloatArray, faces: IntArray, height: FloatArray) -> tuple[FloatArray, float]:
     """Mean lengths along a ring up to evenly spaced heights from 0 to 1, and the mean girth."""
-    first, second, third = (coords[faces[:, k]] for k in range(3))
-    normal = np.cross(second - first, third - first)
-    doubled = norm(normal)
-    opposite = np.stack([third - second, first - third, second - first], axis=1)
-    hats = np.cross((normal / doubled[:, None])[:, None], opposite) / doubled[:, None, None]
+    _, doubled, hats = _hats(coords[faces])
     steep = norm((height[faces][:, :, None] * hats).sum(axis=1))
     low, middle, high = np.sort(height[faces], axis=1).T
     widest = np.divide(doubled * steep, high - low, out=np.zeros_like(low), where=high > low)
@@ -317,8 +304,17 @@ def _stations(coords: FloatArray, faces: IntArray, height: FloatArray) -> tuple[
     return along, float((girth * thick).sum() / along[-1])
 
 
-def _doubled_areas(flat: FloatArray, faces: IntArray) -> FloatArray:
-    return _turned(flat[faces])
+def _hats(corners: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Unit normals (nf, 3), doubled areas (nf,), and gradients of the functions that are 1 at one
+    corner and 0 at both others, (nf, 3, 3): the side opposite, turned, over the doubled area.
+
+    corners : of triangles in space, shape (nf, 3, 3).
+    """
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    doubled = norm(normal)
+    normal = normal / doubled[:, None]
+    opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
+    return normal, doubled, cross(normal[:, None], opposite) / doubled[:, None, None]
 
 
 def _turned(corners: FloatArray) -> FloatArray:

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -33,7 +34,7 @@ from solver.surface_cuts import halves, opened
 from solver.surface_maps import cylinder_map, disc_map, principal_turn
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, angle_between
 
 __all__ = ["PLEATS", "TURNS", "SurfaceSheet", "SurfaceSheets", "surface_sheets"]
 
@@ -97,7 +98,7 @@ class SurfaceSheet:
         """Whether it can be made and follows its surface."""
         return self.faults == 0
 
-    @property
+    @cached_property
     def exact(self) -> bool:
         """Whether it unfolds: relaxation counts a reflex sector by the angle on its other side."""
         excess = developability(self.mesh.vertices_coords, self.mesh.faces_vertices)
@@ -335,5 +336,4 @@ def _least_sector(mesh: QuadMesh) -> float:
     corners = mesh.vertices_coords[mesh.faces_vertices]
     ahead = np.roll(corners, -1, axis=1) - corners
     back = np.roll(corners, 1, axis=1) - corners
-    cosine = (ahead * back).sum(axis=2) / np.sqrt((ahead**2).sum(axis=2) * (back**2).sum(axis=2))
-    return float(np.arccos(np.clip(cosine, -1.0, 1.0)).min())
+    return float(angle_between(ahead, back).min())

@@ -209,6 +209,8 @@ def _growth(sheet: Sheet) -> _Part:
         "coverage": growth.coverage,
         "chosen": dict(growth.chosen),
     }
+    if growth.coverage is not None:
+        report["method"] = "grow" if growth.deviations is None else "relax"
     if growth.deviations is not None:
         report["deviation"] = _deviation(growth.deviations * _mm_per_unit(sheet))
     findings = [*sheet.findings, *growth_findings(growth), *overlaps]

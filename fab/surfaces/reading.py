@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from fab.errors import Finding, InvalidFile, Severity, counted
-from fab.files import require_file, shown_path
+from fab.files import shown_path
 from fab.formats.meshes.own_process import in_own_process
-from fab.formats.meshes.surface import reading_bounds
+from fab.formats.meshes.surface import reading_bounds, require_surface
 from fab.surfaces.clean_mesh import CleanMesh, clean_mesh
 from fab.surfaces.mesh_reader import MESH_ENDINGS, read_triangles
 from solver.errors import InvalidValue
@@ -28,15 +28,9 @@ def read_surface_mesh(path: str | Path, faces: int | Sequence[int] | None = None
     `InvalidValue`. Repairs are findings: see `fab.surfaces.clean_mesh`.
     """
     file = Path(path)
-    ending = file.suffix.lower()
-    if ending not in MESH_ENDINGS + _MODELS:
-        endings = ", ".join(MESH_ENDINGS + _MODELS)
-        raise InvalidFile(
-            f"{shown_path(file)}: surfaces are read from files that end in {endings}."
-        )
-    size = require_file(file, InvalidFile, "Check the path of the surface.")
+    size = require_surface(file, MESH_ENDINGS + _MODELS)
     findings: list[Finding] = []
-    if ending in _MODELS:
+    if file.suffix.lower() in _MODELS:
         given = {"path": str(file), "faces": _numbers(faces)}
         task = "fab.surfaces.step_mesh:step_triangles"
         found = in_own_process(task, file, given, reading_bounds(size))

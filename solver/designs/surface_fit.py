@@ -108,8 +108,9 @@ class SurfaceFit:
     zigzag : swing of the seed's rows along u, in steps of v; None: chosen.
     row_step : distance of the seed's rows along u, in steps of v; None: chosen.
     turn : direction of growth, from the surface's u towards its v, radians; None: chosen.
-    trim : whether faces outside the surface's domain are dropped.
-    cost : what flap angles make least: mirror, or design_angles, the paper's S30.
+    trim : whether faces outside the surface's domain are dropped; those of relaxed sheets are.
+    cost : what flap angles make least: mirror, or design_angles, the paper's S30. This and the
+        next two are for growth alone.
     rows_may_end : whether a front goes on without vertices at its side that miss their offset.
     lookahead : whether settings that stop are tried again with one strip of lookahead.
     """
@@ -150,6 +151,7 @@ class SurfaceFit:
             )
         whole = isinstance(target, SurfaceMesh)
         if self.method == "relax" or (self.method == "auto" and whole):
+            self._require_no_choice_of_growth()
             return relaxed_fit(
                 target if isinstance(target, SurfaceMesh) else sampled(target),
                 self.columns,
@@ -175,3 +177,13 @@ class SurfaceFit:
             lookahead=self.lookahead,
             progress=progress,
         )
+
+    def _require_no_choice_of_growth(self) -> None:
+        usual = (("cost", "mirror"), ("rows_may_end", False), ("lookahead", False))
+        for name, value in usual:
+            if getattr(self, name) != value:
+                shown = str(value).lower()
+                cure = "It is a choice of growth: leave it out, or give method = grow."
+                raise InvalidValue(
+                    name, getattr(self, name), f"be {shown} for a relaxed sheet", cure
+                )

@@ -14,7 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from solver.coverage import one_piece
-from solver.mesh import QuadMesh, edges_of
+from solver.graphs import EdgeIndex
+from solver.mesh import QuadMesh, edges_of, grid_faces
 from solver.targets.mesh_target import MeshTarget
 from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
@@ -78,25 +79,13 @@ def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:
     lost = np.cumsum(share[order]) <= _MAY_MISS * share.sum()
     drop = np.zeros(len(share), bool)
     drop[order] = lost & (share[order] < _SLIVER)
-    grid = mesh.grid
-    corners = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]], axis=-1)
-    known = {tuple(face): k for k, face in enumerate(mesh.faces_vertices.tolist())}
-    kept = np.zeros(corners.shape[:2], bool)
-    for i, j in np.argwhere((corners >= 0).all(axis=-1)).tolist():
-        number = known.get(tuple(corners[i, j].tolist()))
-        kept[i, j] = number is not None and not drop[number]
-    return mesh.with_faces(_with_corners_joined(kept, corners, known))
-
-
-def _with_corners_joined(
-    kept: BoolArray, corners: IntArray, known: dict[tuple[int, ...], int]
-) -> BoolArray:
-    """The largest piece of the cells; where two touch in a corner alone, as few as can be added."""
-    out = one_piece(kept)
-    there = np.zeros_like(out)
-    for i, j in np.argwhere(out).tolist():
-        there[i, j] = tuple(corners[i, j].tolist()) in known
-    return there
+    corners = grid_faces(mesh.grid, mesh.closed)
+    number = EdgeIndex.of(mesh.faces_vertices[:, [0, 2]], len(mesh.vertices_coords), directed=True)
+    face = number.find(corners[:, [0, 2]])
+    cells = (corners >= 0).all(axis=1) & (face >= 0)
+    kept = cells & ~drop[face]
+    shape = mesh.grid.shape[0] - 1, -1
+    return mesh.with_faces(one_piece(kept.reshape(shape), cells.reshape(shape)))
 
 
 def _slide(

@@ -47,6 +47,7 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
     growth = report["growth"]
     assert growth["status"] == "grown"
     assert growth["coverage"] > 0.99
+    assert growth["method"] == "relax"
     assert growth["chosen"]["sheets"] == 1
     assert set(growth["deviation"]) == {"mean_mm", "rms_mm", "lowest_mm", "highest_mm"}
     pattern, *_ = fab.read_pattern(tmp_path / "out" / "dome.fold")

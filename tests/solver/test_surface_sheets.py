@@ -6,6 +6,7 @@ import trimesh
 from surface_meshes import cap, grid, mesh_of, torus
 
 from solver import InvalidState, InvalidValue, QuadMesh, Status, developability, planarity
+from solver.designs import SurfaceFit
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube
 from solver.relaxed_fit import joined, relaxed_fit, sampled
 from solver.self_intersection import crossing_faces
@@ -206,3 +207,39 @@ def test_joined_patches_keep_their_faces_and_grids():
     corners = both.vertices_coords[both.faces_vertices]
     np.testing.assert_array_equal(corners[:6], first.vertices_coords[first.faces_vertices])
     np.testing.assert_array_equal(corners[6:], second.vertices_coords[second.faces_vertices])
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ({"thickness": 0.0}, "thickness = 0 is out of bounds"),
+        ({"zigzag": -1.0}, "zigzag = -1 is out of bounds"),
+        ({"row_step": 0.0}, "row_step = 0 is out of bounds"),
+        ({"turn": np.inf}, "turn = inf is out of bounds"),
+        ({"columns": 3}, "columns = 3 is out of bounds"),
+        ({"cost": "design_angles"}, "cost = design_angles is .* mirror for a relaxed sheet"),
+        ({"rows_may_end": True}, "rows_may_end = True .* false for a relaxed sheet.*method = grow"),
+        ({"lookahead": True}, "lookahead = True .* false for a relaxed sheet"),
+        ({"method": "melt"}, "method = melt is .* one of auto, grow, relax"),
+        ({"method": "grow"}, "method = grow is .* relax for a SurfaceMesh"),
+    ],
+)
+def test_designs_name_the_value_that_relaxation_cannot_use(values, text):
+    with pytest.raises(InvalidValue, match=text):
+        SurfaceFit(**{"surface": mesh_of(cap(np.pi / 3, 8, 24)), "columns": 10} | values).grow()
+
+
+def test_a_noisy_surface_is_followed_smoothed_and_told_by_how_much():
+    clean = mesh_of(cap(0.8, 40, 120))
+    noise = 0.01 * np.random.default_rng(7).normal(size=clean.vertices_coords.shape)
+    noisy = mesh_of((clean.vertices_coords + noise, clean.faces_vertices))
+    growth = relaxed_fit(noisy, 12, turn=0.0, zigzag=2.0)
+    assert growth.status is Status.GROWN
+    assert growth.chosen["smoothing_length"] > 0.1
+    assert 0.01 < growth.chosen["smoothing_moved"] < 0.06  # four or five deviations of the noise
+    quiet = relaxed_fit(clean, 12, turn=0.0, zigzag=2.0)
+    assert not [name for name in quiet.chosen if name.startswith("smoothing")]
+    # vertices are about half a thickness from the true sphere, not from the noise
+    radius = np.linalg.norm(growth.mesh.vertices_coords, axis=1)
+    off = np.abs(np.abs(radius - 1) - growth.chosen["step"] / 2) / growth.chosen["step"]
+    assert np.median(off) < 0.05

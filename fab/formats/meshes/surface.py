@@ -14,12 +14,23 @@ from solver.targets.base import Target
 from solver.targets.mesh import MeshSurface
 from solver.targets.parametric import ParametricSurface
 
-__all__ = ["LARGE_MESH_BYTES", "read_surface", "reading_bounds"]
+__all__ = ["LARGE_MESH_BYTES", "read_surface", "reading_bounds", "require_surface"]
 
 _MESHES = (".obj", ".ply", ".stl")
 _MODELS = (".step", ".stp")
 # Larger meshes are read in a process of their own.
 LARGE_MESH_BYTES = 5_000_000
+
+
+def require_surface(path: Path, endings: Sequence[str]) -> int:
+    """The size in bytes of a file with one of these endings, in lower case.
+
+    Raises `InvalidFile` for another ending, and where there is no file that can be read.
+    """
+    if path.suffix.lower() not in endings:
+        named = ", ".join(endings)
+        raise InvalidFile(f"{shown_path(path)}: surfaces are read from files that end in {named}.")
+    return require_file(path, InvalidFile, "Check the path of the surface.")
 
 
 def read_surface(
@@ -40,14 +51,8 @@ def read_surface(
     the CAD library, some 2 seconds, would be needed without it as well.
     """
     file = Path(path)
-    ending = file.suffix.lower()
-    if ending not in _MESHES + _MODELS:
-        endings = ", ".join(_MESHES + _MODELS)
-        raise InvalidFile(
-            f"{shown_path(file)}: surfaces are read from files that end in {endings}."
-        )
-    size = require_file(file, InvalidFile, "Check the path of the surface.")
-    if ending in _MESHES:
+    size = require_surface(file, _MESHES + _MODELS)
+    if file.suffix.lower() in _MESHES:
         if face is not None:
             cure = "Faces are chosen in STEP files; a mesh is followed as a whole."
             raise InvalidValue("face", face, "be None for a mesh", cure)
