@@ -19,7 +19,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from solver.polygons import face_normals, next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
@@ -77,6 +76,8 @@ def crossing_faces(
     >>> crossing_faces(np.vstack([flat, upright]) * 1.0, np.arange(8), np.array([0, 4, 8])).tolist()
     [[0, 1]]
     """
+    import shapely  # not needed where a sheet is only grown
+
     faces, diagonal = _faces(folded_coords, faces_vertices, faces_offsets)
     found = [np.empty((0, 2), np.int64)]
     boxes, low, high = _boxes(faces)
@@ -117,6 +118,8 @@ def _faces(coords: FloatArray, faces_vertices: IntArray, offsets: IntArray) -> t
 
 def _boxes(faces: _Faces) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Boxes of the faces over the plane that the sheet spans best, and their ends across it."""
+    import shapely
+
     _, axes = np.linalg.eigh(faces.corners.T @ faces.corners)
     turned = faces.corners @ axes  # the first axis is the one of least extent
     low = np.minimum.reduceat(turned, faces.offsets[:-1])

@@ -175,3 +175,14 @@ def test_heavy_libraries_are_loaded_only_where_they_are_used(code, tmp_path):
         [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path
     )
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("start", ["import fab.cli.group", "import solver"])
+def test_what_only_some_sheets_need_does_not_slow_the_start_of_all(start):
+    """The command line names every design; what one of them does comes with its first sheet."""
+    late = {"shapely", "igl", "rslab", "solver.relaxed_fit", "solver.relaxation"}
+    script = f"{start}\nimport sys\nprint(sorted({late} & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert done.stdout.strip() == "[]"

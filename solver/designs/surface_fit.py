@@ -11,7 +11,6 @@ from solver.designs.shells import SHELLS
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.growth import Growth
-from solver.relaxed_fit import relaxed_fit, sampled
 from solver.targets.base import Target
 from solver.targets.parametric import ParametricSurface
 from solver.targets.surface_mesh import SurfaceMesh
@@ -151,6 +150,9 @@ class SurfaceFit:
             )
         whole = isinstance(target, SurfaceMesh)
         if self.method == "relax" or (self.method == "auto" and whole):
+            # as many modules as all of growth, and only needed here
+            from solver.relaxed_fit import relaxed_fit, sampled
+
             self._require_no_choice_of_growth()
             return relaxed_fit(
                 target if isinstance(target, SurfaceMesh) else sampled(target),
