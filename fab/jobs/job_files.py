@@ -245,10 +245,11 @@ def _measures(sheet: Sheet, clock: Clock) -> _Part:
         crossings, between = _by_pieces(pattern, crossings)
         findings += inspect_crossings(crossings)
         if len(between):
-            pairs = counted(len(between), "pair")
+            pairs, (first, second) = counted(len(between), "pair"), between[0]
             text = (
-                f"sheets meet at their seams: {pairs} of faces of different sheets pass through "
-                "each other there, by no more than their pleats. Glue them edge to edge."
+                f"sheets pass through each other: {pairs} of faces of different sheets, the first "
+                f"are {first} and {second}. Along a seam pleats of both reach across it: join the "
+                "sheets edge to edge there. Elsewhere more columns keep them apart."
             )
             findings.append(Finding("sheets-meet", Severity.NOTE, text))
     counts = {
