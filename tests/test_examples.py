@@ -22,7 +22,7 @@ def source_of(name: str) -> str:
     """The source of a module; it is not imported, so that `__main__` does not run."""
     path = ROOT.joinpath(*name.split("."))
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    return file.read_text()
+    return file.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", modules_with_examples())

@@ -14,7 +14,7 @@ import shapely
 
 from fab.errors import Finding, InvalidFile, Severity
 from fab.formats.coordinate_bounds import require_range
-from fab.formats.drawn.line_soup import LETTERS, UNLETTERED, LineSoup
+from fab.formats.drawn.line_soup import LETTERS, UNLETTERED, LineSoup, require_few_lines
 from fab.formats.drawn.lines import Lines, Repair
 from fab.formats.drawn.planar_lines import DrawnLines, PlanarLines, planar_lines
 from fab.formats.drawn.sheet import DrawnSheet, drawn_sheet
@@ -36,7 +36,6 @@ __all__ = [
 ]
 
 _DEFAULT_MM = 1.0
-_MOST_LINES = 1_000_000
 
 
 def pattern_of_lines(soup: LineSoup, options: ReadOptions | None = None) -> PatternFile:
@@ -84,11 +83,7 @@ def _lines_of(soup: LineSoup) -> Lines:
     count = len(soup.lines_coords)
     if not count:
         raise InvalidFile(f"{soup.path}: no lines. Draw the creases and the border as lines.")
-    if count > _MOST_LINES:
-        raise InvalidFile(
-            f"{soup.path}: {count} lines are over the bound of {_MOST_LINES}. Split the drawing "
-            "into several files."
-        )
+    require_few_lines(soup.path, count)
     unknown = ~np.isin(soup.lines_assignment, [*LETTERS, UNLETTERED])
     if unknown.any():
         letter = soup.lines_assignment[unknown][0]

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fab.errors import Finding
+from fab.errors import Finding, InvalidFile
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["LETTERS", "UNLETTERED", "Letters", "LineSoup"]
+__all__ = ["LETTERS", "MOST_LINES", "UNLETTERED", "Letters", "LineSoup", "require_few_lines"]
 
 # Assignments of the FOLD format.
 LETTERS = "BMVFUCJ"
@@ -23,6 +23,9 @@ LETTERS = "BMVFUCJ"
 UNLETTERED = "?"
 
 Letters = NDArray[np.str_]
+
+# Drawings of more lines would take more than a gigabyte of memory.
+MOST_LINES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -56,3 +59,16 @@ class LineSoup:
     mm_per_unit: float | None
     findings: tuple[Finding, ...] = ()
     border_is_cut: bool = False
+
+
+def require_few_lines(path: Path, count: int) -> None:
+    """Raise `InvalidFile` for a drawing of more lines than are imported.
+
+    Readers ask as soon as they know: what is done with lines before they are imported, such as
+    joining dashes, needs as much memory as the import.
+    """
+    if count > MOST_LINES:
+        raise InvalidFile(
+            f"{path}: {count} lines are over the bound of {MOST_LINES}. Leave out what is no "
+            "crease, or split the drawing into several files."
+        )

@@ -37,14 +37,14 @@ def is_curved(entity: Any) -> bool:
 
 
 def weight(entity: Any) -> int:
-    """About how many lines an entity becomes, without its being flattened."""
+    """How many lines an entity becomes at least, without its being flattened."""
     kind = entity.dxftype()
     if kind == "LWPOLYLINE":
-        return len(entity) + 1
+        return max(len(entity) - 1, 1)
     if kind == "POLYLINE":
-        return len(entity.vertices) + 1
-    if kind == "SPLINE":
-        return 4 * (int(entity.control_point_count()) + len(entity.fit_points)) + 1
+        return max(len(entity.vertices) - 1, 1)
+    if kind == "SPLINE":  # one for each span between knots, of which few are passed over
+        return max(int(entity.control_point_count()) - int(entity.dxf.degree), 1)
     return 1
 
 

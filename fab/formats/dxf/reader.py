@@ -20,7 +20,7 @@ from ezdxf.document import Drawing
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
 from fab.formats.drawn.letters import key_of, letter_of, unlettered_finding, unused_colours
-from fab.formats.drawn.line_soup import UNLETTERED, LineSoup
+from fab.formats.drawn.line_soup import UNLETTERED, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.dxf.curves import DRAWN, flattened, is_curved, weight
 from fab.formats.dxf.document import mm_per_unit_of, read_document, unit_findings
@@ -35,8 +35,6 @@ __all__ = ["read_dxf"]
 # second of these shares of the drawing's diagonal.
 TOLERANCE_MM = 0.01
 _SHARES = 1e-6, 1e-4
-# Lines of a drawing, with all its blocks.
-_MOST_LINES = 2_000_000
 _DEEPEST = 50
 # Over the diagonal: nearer to z = 0 is on it.
 _PLANE = 1e-9
@@ -194,15 +192,11 @@ class _Walk:
     def drawn(self, space: Iterable[Any]) -> Iterator[_Drawn]:
         """What is drawn in a space. Raises `InvalidFile` before anything, where it is too much."""
         entities = list(space)
-        if self._weight(entities, ()) > _MOST_LINES:
-            raise InvalidFile(
-                f"{self.path}: with its blocks, the drawing has over {_MOST_LINES} lines. Leave "
-                "out what is no crease, or split it."
-            )
+        require_few_lines(self.path, self._weight(entities, ()))
         return self._walk(entities, None, _Style())
 
     def _weight(self, entities: Iterable[Any], above: tuple[str, ...]) -> int:
-        """About how many lines entities become, with their blocks."""
+        """How many lines entities become at least, with their blocks."""
         total = 0
         for entity in entities:
             kind = entity.dxftype()
@@ -336,12 +330,8 @@ def _lines(
         if len(rough[number]) and is_curved(one.entity):
             rough[number] = _points(one, tolerance, left_out)
             curved += len(rough[number]) > 2
-        total += len(rough[number])
-        if total > 2 * _MOST_LINES:
-            raise InvalidFile(
-                f"{path}: its curves become over {2 * _MOST_LINES} lines. Leave out what is no "
-                "crease."
-            )
+        total += max(len(rough[number]) - 1, 0)
+        require_few_lines(path, total)
     parts = [np.stack([points[:-1], points[1:]], axis=1) for points in rough]
     element = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     findings = []

@@ -19,7 +19,7 @@ import numpy as np
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
 from fab.formats.drawn.letters import unlettered_finding, unused_colours
-from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup
+from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
 from fab.formats.strictness import with_lost
@@ -37,7 +37,6 @@ __all__ = ["FLATNESS_MM", "read_svg"]
 FLATNESS_MM = 0.05
 # Nor by more than this, over the diagonal of the drawing, however large it is made later.
 FLATNESS_REL = 1e-4
-_MOST_LINES = 1_000_000
 _FARTHEST = 1e9
 # A circle at the end of a line marks a vertex when it is smaller than this, over the drawing.
 _MARK_REL = 0.01
@@ -239,10 +238,7 @@ def _lines(path: Path, shapes: list[Shape]) -> tuple[FloatArray, IntArray, Lette
             size += len(run) - 1
         shape.drawn.runs.clear()
         sizes.append(size)
-        if len(ends) > 4 * _MOST_LINES:
-            raise InvalidFile(
-                f"{path}: more than {_MOST_LINES} lines. Split the drawing into several files."
-            )
+        require_few_lines(path, len(ends) // 4)
     coords = np.array(ends, dtype=float).reshape(-1, 2, 2)
     element = np.repeat(np.arange(len(shapes)), sizes)
     far = ~(np.abs(coords) <= _FARTHEST).all(axis=(1, 2))

@@ -318,7 +318,7 @@ def test_billions_of_lines_in_nested_blocks_are_refused(drawing, tmp_path):
         for k in range(10):
             block.add_blockref(f"B{i - 1}", (k, 0))
     drawing.modelspace().add_blockref("B10", (0, 0))
-    with pytest.raises(InvalidFile, match="over 2000000 lines"):
+    with pytest.raises(InvalidFile, match="lines are over the bound of 1000000"):
         read(drawing, tmp_path)
     chain = ezdxf.new()
     chain.blocks.new("B0").add_line((0, 0), (1, 0))
@@ -331,7 +331,7 @@ def test_billions_of_lines_in_nested_blocks_are_refused(drawing, tmp_path):
     grid.blocks.new("B").add_line((0, 0), (1, 0))
     many = {"row_count": 32000, "row_spacing": 1, "column_count": 32000, "column_spacing": 1}
     grid.modelspace().add_blockref("B", (0, 0), many)
-    with pytest.raises(InvalidFile, match="over 2000000 lines"):
+    with pytest.raises(InvalidFile, match="lines are over the bound of 1000000"):
         read(grid, tmp_path)
 
 
@@ -416,3 +416,15 @@ def test_dashes_of_any_drawing_are_joined(drawing, tmp_path):
     soup = read(drawing, tmp_path)
     assert "dashes-joined" in codes(soup)
     assert soup.lines_coords[soup.lines_assignment == "M"].tolist() == [[[0, 0], [29, 0]]]
+
+
+def test_a_drawing_of_too_many_lines_is_refused_before_its_dashes_are_joined(
+    drawing, tmp_path, monkeypatch
+):
+    """Joining needs as much memory as the import, which has a bound."""
+    monkeypatch.setattr("fab.formats.drawn.line_soup.MOST_LINES", 100)
+    for i in range(101):
+        drawing.modelspace().add_line((3 * i, 0), (3 * i + 2, 0), {"color": 1})
+    monkeypatch.setattr("fab.formats.dxf.reader.join_dashes", None)  # not to be called
+    with pytest.raises(InvalidFile, match=r"101 lines are over the bound of 100\. Leave out"):
+        read(drawing, tmp_path)
