@@ -519,7 +519,7 @@ def test_a_drawing_in_metres_has_its_size(here):
 
 def test_a_million_lines_are_refused(here):
     (here / "many.svg").write_text(_many())
-    assert "more than 1000000 lines" in refused(here, "convert", "many.svg", "a.fold")
+    assert "over the bound of 1000000" in refused(here, "convert", "many.svg", "a.fold")
 
 
 @pytest.mark.parametrize("target", ["a.stl", "a", "a.fodl", "a.opx"])
