@@ -122,7 +122,9 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
         words = [Path(word).name.removesuffix(".toml") for word in (material, machine)]
         name = plain_title("_".join(["coupon", *words]))
         paths = tour(coupon(cutter, stock))
-        files = drawing_files(paths, name, formats, cutter.colours, cutter.dxf_version)
+        files = drawing_files(
+            paths, name, formats, cutter.colours, cutter.dxf_version, cutter.stroke_mm
+        )
         write_made(Made(files, {}, ()), out)
 
 

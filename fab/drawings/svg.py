@@ -1,6 +1,6 @@
 """SVG files of cut paths.
 
-In millimetres, a group per operation with Inkscape's layer attributes, hairline strokes.
+In millimetres, a group per operation with Inkscape's layer attributes, thin strokes.
 """
 
 from __future__ import annotations
@@ -14,12 +14,15 @@ from fab.drawings.layer_colours import Colours
 from fab.drawings.number_records import write_records
 from fab.outputs import plain_title
 
-__all__ = ["svg_bytes"]
+__all__ = ["STROKE_MM", "svg_bytes"]
 
-_HAIRLINE_MM = 0.1
+# Width of lines where no other is asked for.
+STROKE_MM = 0.1
 
 
-def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> bytes:
+def svg_bytes(
+    paths: CutPaths, title: str, colours: Colours | None = None, stroke_mm: float = STROKE_MM
+) -> bytes:
     """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
 
     The y axis of SVG points down, so y is turned around: the picture is not mirrored. A page on a
@@ -27,7 +30,7 @@ def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
     title : of the document; "_" replaces what cannot be printed.
     """
     width, height = paths.size_mm
-    edge = 0.0 if paths.on_bed else _HAIRLINE_MM
+    edge = 0.0 if paths.on_bed else stroke_mm
     low = 0.0 - edge  # never a negative zero
     box = (low, low, width + 2 * edge, height + 2 * edge)
     head = (
@@ -42,17 +45,17 @@ def svg_bytes(paths: CutPaths, title: str, colours: Colours | None = None) -> by
     out = io.BytesIO()
     out.write(head.encode())
     for layer in paths.layers:
-        _write_group(out, layer, height, chosen.of(layer.operation).hex)
+        _write_group(out, layer, height, chosen.of(layer.operation).hex, stroke_mm)
     out.write(b"</svg>\n")
     return out.getvalue()
 
 
-def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str) -> None:
+def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str, stroke_mm: float) -> None:
     """Write the lines of a layer: all segments in one path, each outline in its own."""
     name = quoteattr(layer.operation)
     out.write(
         f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '
-        f'stroke="{colour}" stroke-width="{_HAIRLINE_MM}">\n'.encode()
+        f'stroke="{colour}" stroke-width="{stroke_mm:g}">\n'.encode()
     )
     segments = layer.segments.reshape(-1, 4) * [1, -1, 1, -1] + [0, height, 0, height]
     if len(segments):

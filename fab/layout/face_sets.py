@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -47,6 +48,7 @@ class SheetToDivide:
     room_mm : width and height of the rectangle that a piece must fit with its tabs.
     room_text : what that rectangle is, for messages.
     reach_text : what `reach` is of, and the setting that bounds it, for messages.
+    rotations_deg : by which pieces may be turned to fit; None for any.
     """
 
     pattern: CreasePattern
@@ -56,6 +58,11 @@ class SheetToDivide:
     room_mm: tuple[float, float]
     room_text: str = "the room of a piece"
     reach_text: tuple[str, str] = ("tabs", "tab_mm")
+    rotations_deg: Sequence[float] | None = None
+
+    def upright(self, coords: FloatArray) -> tuple[FloatArray, bool]:
+        """As the function of this name, with the room and the rotations of the sheet."""
+        return upright(coords, self.room_mm, self.rotations_deg)
 
     @cached_property
     def sides(self) -> _Ragged:
@@ -146,7 +153,7 @@ class FaceSets:
         room = self.sheet.room_mm
         if (high - low).max() > np.hypot(*room) * (1 + SLACK_REL):
             return False
-        return upright(extent(self.sheet, faces), room)[1]
+        return self.sheet.upright(extent(self.sheet, faces))[1]
 
     def small(self, low: FloatArray, high: FloatArray) -> BoolArray:
         """Whether what lies in boxes, corners of shape (..., 2), fits with tabs in any rotation."""
@@ -209,12 +216,17 @@ def extent(sheet: SheetToDivide, faces: IntArray) -> FloatArray:
     return np.concatenate([ends, sheet.reach[edges[seam], side[seam]]]).reshape(-1, 2)
 
 
-def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArray, bool]:
+def upright(
+    coords: FloatArray,
+    room_mm: tuple[float, float],
+    rotations_deg: Sequence[float] | None = None,
+) -> tuple[FloatArray, bool]:
     """The rotation (2, 2) to the smallest bounding box that fits a room, and whether any fits.
 
     Where none fits, the rotation to the smallest bounding box of all. Smallest in area.
 
-    coords : shape (n, 2), mm. room_mm : width and height.
+    coords : shape (n, 2), mm. room_mm : width and height. rotations_deg : the rotations that may
+    be taken, counterclockwise; None for any.
 
     >>> bar = np.array([[0.0, 0.0], [0.0, 30.0], [10.0, 30.0], [10.0, 0.0]])
     >>> turn, fits = upright(bar, (40.0, 20.0))
@@ -223,13 +235,16 @@ def upright(coords: FloatArray, room_mm: tuple[float, float]) -> tuple[FloatArra
     """
     hull = shapely.convex_hull(shapely.linestrings(coords))
     ring = shapely.get_coordinates(hull)
-    side = np.diff(ring, axis=0)[:: 1 + len(ring) // _MOST_SIDES]
-    turns = np.concatenate([np.arctan2(side[:, 1], side[:, 0]), _TURNS])
+    if rotations_deg is None:
+        side = np.diff(ring, axis=0)[:: 1 + len(ring) // _MOST_SIDES]
+        turns = np.concatenate([np.arctan2(side[:, 1], side[:, 0]), _TURNS])
+    else:
+        turns = -np.radians(np.asarray(rotations_deg, float))
     c, s = np.cos(turns), np.sin(turns)
-    spans = [np.ptp(ring @ np.stack(axis), axis=0) for axis in ((c, s), (-s, c))]
-    # a quarter turn further width is height
-    c, s = np.concatenate([c, -s]), np.concatenate([s, c])
-    width, height = np.concatenate(spans), np.concatenate(spans[::-1])
+    width, height = (np.ptp(ring @ np.stack(axis), axis=0) for axis in ((c, s), (-s, c)))
+    if rotations_deg is None:  # a quarter turn further width is height
+        c, s = np.concatenate([c, -s]), np.concatenate([s, c])
+        width, height = np.concatenate([width, height]), np.concatenate([height, width])
     fits = (width <= room_mm[0] * (1 + SLACK_REL)) & (height <= room_mm[1] * (1 + SLACK_REL))
     area = np.where(fits | ~fits.any(), width * height, np.inf)
     # rounding must not decide between equal boxes

@@ -24,7 +24,7 @@ from solver.errors import (
     require_number,
     require_positive,
 )
-from solver.vectors import FloatArray, IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Placement", "Placements", "nest"]
 
@@ -94,17 +94,24 @@ class _Piece:
 
     Attributes
     ----------
-    turns_deg, turns : four angles a quarter turn apart, and their matrices, shapes (4,) and
-        (4, 2, 2). In the first the piece's box fits the room.
-    box : the piece's box in the first turn.
+    turns_deg, turns : angles and their matrices, shapes (k,) and (k, 2, 2): four that are a quarter
+        turn apart, or those that are allowed. In the first the piece's box fits the room.
+    sizes : of the piece's box in each turn, shape (k, 2). box : that in the first turn.
     envelope : a polygon of few corners, without holes, around the piece.
     """
 
     outline: shapely.Polygon
     turns_deg: FloatArray
     turns: FloatArray
+    sizes: FloatArray
     box: shapely.Polygon
     envelope: shapely.Polygon
+
+    @property
+    def quarter_turns(self) -> BoolArray:
+        """Which turns are whole quarters of a turn from the first, shape (k,)."""
+        rest = (self.turns_deg - self.turns_deg[0] + 45.0) % 90.0 - 45.0
+        return np.asarray(np.abs(rest) < _SAME_TURN_DEG)
 
     @property
     def filled_area(self) -> float:
@@ -128,6 +135,8 @@ def nest(
     copies: int = 1,
     margin_mm: float = 0.0,
     progress: Steps = no_steps,
+    *,
+    rotations_deg: Sequence[float] | None = None,
 ) -> Placements:
     """Place `copies` of every piece on as few sheets as a greedy filling needs.
 
@@ -145,6 +154,7 @@ def nest(
     gap_mm : least distance of two pieces.
     margin_mm : least distance of a piece from the bed's edges.
     progress : called after each batch with the number of pieces placed and of all.
+    rotations_deg : by which pieces may be turned, at least one; None for any: see above.
 
     Raises `InvalidValue` for an outline that crosses itself or has no area, for a piece that does
     not fit the bed in any of its turns, and for a gap, margin or number of copies out of bounds.
@@ -158,7 +168,13 @@ def nest(
     room = _room(bed_mm, margin_mm)
     require_positive("gap_mm", gap_mm, "Pieces that touch would be cut along one line twice.")
     require_count("copies", copies, 1, "Cut at least one of each piece.")
-    pieces = [_piece(number, outline, room) for number, outline in enumerate(outlines)]
+    if rotations_deg is not None and not (len(rotations_deg) and np.isfinite(rotations_deg).all()):
+        raise InvalidValue(
+            "rotations_deg", list(rotations_deg), "be one angle or more", "Give [0] for no turn."
+        )
+    pieces = [
+        _piece(number, outline, room, rotations_deg) for number, outline in enumerate(outlines)
+    ]
     filling = _Filling(pieces, room, gap_mm)
     left = np.full(len(pieces), copies)
     total = int(left.sum())
@@ -190,7 +206,12 @@ def _room(bed_mm: tuple[float, float], margin_mm: float) -> FloatArray:
     return np.array(bed_mm, float) - 2 * margin_mm
 
 
-def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray) -> _Piece:
+def _piece(
+    number: int,
+    outline: shapely.Polygon | FloatArray,
+    room: FloatArray,
+    rotations_deg: Sequence[float] | None,
+) -> _Piece:
     polygon = shapely.Polygon(outline)
     if not (polygon.is_valid and polygon.area > 0):
         why = "no area" if polygon.is_valid else shapely.is_valid_reason(polygon)
@@ -199,8 +220,11 @@ def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray)
             f"outline {number} has no area, or crosses itself: {why}",
             "Split the piece where it overlaps itself.",
         )
-    upright = [0.0, *_box_turns_deg(polygon)]
-    turns_deg = (np.array(upright)[:, None] + np.arange(4) * 90.0).ravel()
+    if rotations_deg is None:
+        groups = np.array([0.0, *_box_turns_deg(polygon)])[:, None] + np.arange(4) * 90.0
+    else:
+        groups = np.array([rotations_deg], float)
+    turns_deg, each = groups.ravel(), groups.shape[1]
     turns = np.array([_rotation(angle) for angle in turns_deg])
     turned = shapely.get_coordinates(polygon.exterior) @ turns.swapaxes(1, 2)
     boxes = np.stack([turned.min(axis=1), turned.max(axis=1)], axis=1)
@@ -209,19 +233,18 @@ def _piece(number: int, outline: shapely.Polygon | FloatArray, room: FloatArray)
     fit = np.flatnonzero((size <= room + _ROUNDING_MM).all(axis=1))
     if not len(fit):
         width, height = size[np.argmin(area)]
+        as_turned = "as it lies or turned" if rotations_deg is None else "as it may be turned"
         raise InvalidValue(
             f"size of piece {number}",
             f"{width:.6g} x {height:.6g} mm",
-            f"fit between the bed's margins, {room[0]:.6g} x {room[1]:.6g} mm, as it lies or "
-            "turned",
+            f"fit between the bed's margins, {room[0]:.6g} x {room[1]:.6g} mm, {as_turned}",
             "Split it into pieces, scale it down, lower the margin or use a larger bed.",
         )
     first = int(fit[area[fit] <= area[fit].min() * (1 + 1e-9)][0])
-    four = first // 4 * 4 + (first + np.arange(4)) % 4
+    order = first // each * each + (first + np.arange(each)) % each
     low, high = boxes[first]
-    return _Piece(
-        polygon, turns_deg[four], turns[four], shapely.box(*low, *high), _envelope(polygon)
-    )
+    box = shapely.box(*low, *high)
+    return _Piece(polygon, turns_deg[order], turns[order], size[order], box, _envelope(polygon))
 
 
 def _rotation(angle_deg: float) -> FloatArray:
@@ -381,12 +404,8 @@ def _offer(pieces: list[_Piece], order: IntArray, left: IntArray, free: FloatArr
 
 def _turn_that_fits(piece: _Piece, free: FloatArray) -> int | None:
     """The first turn in which a piece's box fits a rectangle."""
-    low_x, low_y, high_x, high_y = piece.box.bounds
-    size = np.array([high_x - low_x, high_y - low_y])
-    for turn, box in enumerate((size, size[::-1])):
-        if (box <= free + _ROUNDING_MM).all():
-            return turn
-    return None
+    fit = np.flatnonzero((piece.sizes <= free + _ROUNDING_MM).all(axis=1))
+    return int(fit[0]) if len(fit) else None
 
 
 def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: float) -> list[_Spot]:
@@ -407,16 +426,18 @@ def _fill(pieces: list[_Piece], offered: IntArray, room: FloatArray, gap_mm: flo
         if len(best) == offered.sum() or (strategy == "alns" and offered.sum() > _SEARCHED):
             break
         boxes = strategy == "blf"
+        # a box stands for its piece in quarter turns from the first alone
+        allowed = {n: pieces[n].quarter_turns if boxes else slice(None) for n in numbers}
         wanted = [
             (
                 n,
                 piece.box if boxes else piece.envelope,
-                piece.turns_deg - boxes * piece.turns_deg[0],
+                piece.turns_deg[allowed[n]] - boxes * piece.turns_deg[0],
             )
             for n, piece in ((n, pieces[n]) for n in numbers)
         ]
         spots = [
-            _Spot(n, pieces[n].turns[turn], shift)
+            _Spot(n, pieces[n].turns[allowed[n]][turn], shift)
             for n, turn, shift in _solve(wanted, offered, strategy, room, gap_mm)
         ]
         if covered(spots) > covered(best) and _holds(pieces, spots, room, gap_mm):

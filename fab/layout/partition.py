@@ -14,7 +14,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from fab.layout.face_sets import SLACK_REL, FaceSets, SheetToDivide, extent, upright
+from fab.layout.face_sets import SLACK_REL, FaceSets, SheetToDivide, extent
 from fab.progress import Steps, no_steps
 from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray, IntArray
@@ -84,7 +84,7 @@ def _require_room(faces: FaceSets, part: IntArray) -> None:
     span = faces.high[part] - faces.low[part] + 2 * faces.tab
     for face in part[np.hypot(*span.T) > min(width, height)].tolist():
         points = extent(faces.sheet, np.array([face]))
-        turn, fits = upright(points, faces.sheet.room_mm)
+        turn, fits = faces.sheet.upright(points)
         if not fits:
             box = np.ptp(points @ turn.T, axis=0)
             raise InvalidValue(
@@ -121,7 +121,7 @@ def _divided(
 
 def _divisions(faces: FaceSets, part: IntArray) -> list[Callable[[], list[IntArray]]]:
     """Divisions to try: columns across the sheet, each cut into rows; or runs from its far end."""
-    turn, _ = upright(extent(faces.sheet, part), faces.sheet.room_mm)
+    turn, _ = faces.sheet.upright(extent(faces.sheet, part))
 
     def in_columns(axis: FloatArray, along: FloatArray, width: float) -> list[IntArray]:
         def narrow(run: IntArray) -> bool:

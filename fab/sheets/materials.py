@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
 from fab.catalogue import CURE, Bedded, Described, load_described
 from fab.drawings.dxf import DxfVersion
 from fab.drawings.layer_colours import Colours
+from fab.drawings.svg import STROKE_MM
 from fab.settings import Settings
 from fab.sheets.crease_styles import ScoreStyle
 from fab.sheets.perforation_settings import PerforationSettings
@@ -23,6 +24,7 @@ __all__ = [
     "perforation_for",
 ]
 
+Angle = Annotated[float, Field(ge=-360, le=360)]
 
 # What a material must state about its creases; the rest takes the defaults of a job.
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
@@ -44,6 +46,11 @@ class Material(Described):
     cut_speed_ratio: float = Field(
         gt=0, le=10, description="speed of cutting through, over that of the machine (300 gsm card)"
     )
+    rotations: Literal["any", "half turns", "none"] | list[Angle] = Field(
+        default="any",
+        description="of pieces on the sheet, as its grain allows: any, half turns, none, or a list "
+        "of angles in degrees",
+    )
     perforation: PerforationSettings = Field(description="as in a job")
 
     @field_validator("perforation")
@@ -53,6 +60,13 @@ class Material(Described):
         if missing:
             raise ValueError(f"{' and '.join(missing)} must be given in a material. {CURE}")
         return perforation
+
+    @property
+    def rotations_deg(self) -> tuple[float, ...] | None:
+        """By which pieces may be turned; None for any."""
+        if isinstance(self.rotations, list):
+            return tuple(self.rotations)
+        return {"any": None, "half turns": (0.0, 180.0), "none": (0.0,)}[self.rotations]
 
     @property
     def grams_per_m2(self) -> float:
@@ -76,6 +90,12 @@ class Machine(Bedded):
     kind: Literal["cutter"] = "cutter"
     kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
     speeds: Speeds
+    stroke_mm: float = Field(
+        default=STROKE_MM,
+        ge=0.001,
+        le=1,
+        description="width of lines in SVG; some drivers cut only hairlines",
+    )
     profile: Literal["pre_dashed", "whole_lines"] = Field(
         description="creases as dashes, or as whole lines for software that perforates by itself"
     )

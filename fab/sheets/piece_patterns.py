@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fab.layout.assembly_order import piece_name
-from fab.layout.face_sets import SheetToDivide, extent, upright
+from fab.layout.face_sets import SheetToDivide, extent
 from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.glue_tabs import Tabs
 from fab.sheets.labels import Label, number_text
@@ -116,11 +116,15 @@ class Division:
         )
 
     def _laid_upright(self, coords: FloatArray, faces: IntArray) -> FloatArray:
-        """Points of a piece turned so that they fit the bed, their box at the origin."""
-        turn, fits = upright(coords, self.sheet.room_mm)
-        if not fits:  # the turn that the partition found, with room for all tabs
-            turn, _ = upright(extent(self.sheet, faces), self.sheet.room_mm)
-        coords = coords @ turn.T
+        """Points of a piece turned so that they fit the bed, their box at the origin.
+
+        Where rotations are bounded it is left to nesting to turn it.
+        """
+        if self.sheet.rotations_deg is None:
+            turn, fits = self.sheet.upright(coords)
+            if not fits:  # the turn that the partition found, with room for all tabs
+                turn, _ = self.sheet.upright(extent(self.sheet, faces))
+            coords = coords @ turn.T
         out: FloatArray = coords - coords.min(axis=0)
         return out
 

@@ -43,6 +43,9 @@ class SheetSplit(Settings):
     tab_angle_deg: float = Field(
         default=45.0, ge=10, le=90, description="greatest angle at the foot of a tab"
     )
+    rotations_deg: tuple[float, ...] | None = Field(
+        default=None, description="of pieces, as the grain allows; any where left out"
+    )
     label_mm: float = Field(default=4.0, ge=1, le=1000, description="greatest height of letters")
 
     @property
@@ -141,7 +144,10 @@ def _sheet(
         f"the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm less {border:g} mm on each side "
         f"({settings.border_text})"
     )
-    return SheetToDivide(pattern, joined, _reach(pattern, settings), glued, room, room_text)
+    reach, rotations_deg = _reach(pattern, settings), settings.rotations_deg
+    return SheetToDivide(
+        pattern, joined, reach, glued, room, room_text, rotations_deg=rotations_deg
+    )
 
 
 def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:

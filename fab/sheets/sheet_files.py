@@ -181,6 +181,7 @@ def _placed(
         request.copies,
         request.margin_mm,
         partial(progress, "nest"),
+        rotations_deg=request.material.rotations_deg,
     )
 
 
@@ -228,6 +229,8 @@ def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
     machine = request.machine
     ordered = tour(paths)
     return _Drawn(
-        drawing_files(ordered, name, request.formats, machine.colours, machine.dxf_version),
+        drawing_files(
+            ordered, name, request.formats, machine.colours, machine.dxf_version, machine.stroke_mm
+        ),
         estimate_report(estimate(ordered, request.speeds)),
     )

@@ -70,6 +70,28 @@ def test_all_copies_lie_apart_and_inside(count, copies, gap, margin, seed):
     check(outlines, placements, BED, gap, copies, margin)
 
 
+@settings(max_examples=10)
+@given(
+    st.lists(st.sampled_from([0.0, 30.0, 90.0, 143.0, 180.0, 270.0]), min_size=1, max_size=3),
+    st.integers(1, 4),
+    st.integers(0, 2**32 - 1),
+)
+def test_pieces_are_turned_only_as_their_grain_allows(rotations, count, seed):
+    outlines = stars(count, seed)
+    placements = nest(outlines, BED, 1.0, 2, rotations_deg=rotations)
+    check(outlines, placements, BED, 1.0, 2, 0.0)
+    for item in placements.items:
+        turn = np.degrees(np.arctan2(item.turn[1, 0], item.turn[0, 0])) % 360
+        assert np.isclose(turn, rotations, atol=1e-9).any()
+
+
+def test_a_piece_that_may_not_turn_must_fit_as_it_lies():
+    upright = shapely.box(0, 0, 30, 190)
+    with pytest.raises(InvalidValue, match=r"30 x 190 mm .* 200 x 40 mm, as it may be turned"):
+        nest([upright], (200.0, 40.0), 1.0, rotations_deg=[0.0, 180.0])
+    assert len(nest([upright], (200.0, 40.0), 1.0, rotations_deg=[0.0, 90.0]).items) == 1
+
+
 def pieces_of(mesh, parts):
     """A development cut apart by its faces' place along x; no piece is longer than 180 mm."""
     flat = develop(mesh).vertices_coords
@@ -263,6 +285,8 @@ def test_wrong_answers_of_the_library_are_discarded(monkeypatch, answer):
         ),
         ([np.array([[0, 0], [9, 9], [0, 0.0]])], {}, "outline 0 has "),
         ([np.empty((0, 2))], {}, "outline 0 has .*: no area"),
+        ([ANGLE], {"rotations_deg": []}, r"rotations_deg = \[\]"),
+        ([ANGLE], {"rotations_deg": [float("nan")]}, r"rotations_deg = \[nan\]"),
         ([ANGLE], {"gap_mm": 0.0}, "gap_mm = 0.0"),
         ([ANGLE], {"gap_mm": float("nan")}, "gap_mm = nan"),
         ([ANGLE], {"copies": 0}, "copies = 0"),

@@ -644,3 +644,14 @@ def test_progress_is_reported_up_to_the_last_face_and_can_interrupt():
 
     with pytest.raises(KeyboardInterrupt):
         split(pattern, SheetSplit(), (150.0, 120.0), stop)
+
+
+def test_pieces_that_may_not_turn_are_divided_until_they_fit_as_they_are():
+    strip, bed = grid(2, 12, 10.0), (130.0, 60.0)
+    whole, _ = split(strip, SheetSplit(margin_mm=0.0), bed)
+    assert len(whole.pieces) == 1  # it lies along the bed
+    kept, _ = split(strip, SheetSplit(margin_mm=0.0, rotations_deg=(0.0, 180.0)), bed)
+    assert len(kept.pieces) == 3
+    for piece in kept.pieces:
+        assert (np.ptp(piece.pattern.vertices_coords, axis=0) <= bed).all()
+        assert np.ptp(piece.pattern.vertices_coords, axis=0)[0] == pytest.approx(20.0)

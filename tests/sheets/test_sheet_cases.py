@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from helpers import PATTERNS
 from shared_cases import shared_case
 
+from fab.catalogue import shipped
 from fab.cli.group import main
 
 KERF = 0.15
@@ -116,6 +117,27 @@ def test_pages_are_the_bed(tmp_path):
     fabricated(shared_case("strip.fold"), tmp_path)
     root = ElementTree.parse(tmp_path / "strip_1.svg").getroot()
     assert (root.get("width"), root.get("height")) == ("600.000000mm", "400.000000mm")
+
+
+@pytest.mark.parametrize(
+    ("rotations", "turned"), [('"any"', True), ('"half turns"', False), ("[0.0]", False)]
+)
+def test_pieces_keep_the_grain_of_their_material(tmp_path, rotations, turned):
+    card = shipped("materials")["card_300gsm"].read_text()
+    (tmp_path / "card.toml").write_text(f"rotations = {rotations}\n{card}")
+    words = ["--material", str(tmp_path / "card.toml")]
+    (lines,), _, _ = fabricated(shared_case("strip.fold"), tmp_path / "out", *words)
+    width, height = np.ptp(shapely.get_coordinates(lines["CUT"]), axis=0)
+    assert (width < height) == turned
+
+
+def test_lines_are_as_wide_as_the_machine_wants(tmp_path):
+    bed = shared_case("bed_115.toml").read_text()
+    (tmp_path / "bed.toml").write_text(f"stroke_mm = 0.025\n{bed}")
+    fabricated(shared_case("framepart.fold"), tmp_path, machine=tmp_path / "bed.toml")
+    root = ElementTree.parse(tmp_path / "framepart_1.svg").getroot()
+    strokes = {group.get("stroke-width") for group in root.iter("{http://www.w3.org/2000/svg}g")}
+    assert strokes == {"0.025"}
 
 
 def test_a_sheet_without_a_unit_that_comes_out_tiny_is_a_warning(tmp_path):
