@@ -27,6 +27,7 @@ folding : simulation from flat to folded, and its verdict.
 panels : thick panels and their hinges, CAD assemblies.
 clearance : bodies that must stay apart in every folded state.
 printing : printers, plates and joints, STL and 3MF.
+viewing : one scene of a sheet, flat to folded, for all pictures of it.
 jobs : a job to all its files.
 cli : the command line.
 """

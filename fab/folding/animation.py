@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from fab.folding.bar_hinge_model import Framework
 from fab.folding.quasi_static import Folding, FoldState
+from fab.folding.strain import faces_strain
 from fab.progress import Steps, no_steps
-from solver.graphs import EdgeIndex
 from solver.vectors import FloatArray
 
-__all__ = ["faces_strain", "gif_bytes", "strain_png_bytes"]
+__all__ = ["gif_bytes", "strain_png_bytes"]
 
 _PIXELS, _DPI = 800, 100
 _COLOURS = "YlOrRd"
@@ -26,17 +25,6 @@ _MOST_FRAMES = 60
 _ELEVATION_DEG, _AZIMUTH_DEG = 35.0, -60.0
 # With this zoom a picture shows the whole box with a margin.
 _FITTING_ZOOM = 1.6
-
-
-def faces_strain(frame: Framework, coords: FloatArray) -> FloatArray:
-    """Largest absolute strain of the bars of every face, shape (nf,); coords : shape (nv, 3)."""
-    strain = np.abs(frame.strains(coords))
-    index = EdgeIndex.of(frame.bars_vertices, len(frame.vertices_coords))
-    out = np.zeros(frame.sheet.pattern.face_count)
-    for k in range(3):
-        bar = index.find(frame.triangles_vertices[:, [k, (k + 1) % 3]])
-        np.maximum.at(out, frame.triangles_face, strain[bar])
-    return out
 
 
 def strain_png_bytes(folding: Folding, title: str) -> bytes:

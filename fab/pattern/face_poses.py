@@ -7,7 +7,7 @@ import numpy as np
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import FloatArray, norm
 
-__all__ = ["bend_mm", "face_poses"]
+__all__ = ["bend_mm", "face_poses", "nearest_motions"]
 
 
 def face_poses(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -21,7 +21,7 @@ def face_poses(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, 
     turns = np.empty((pattern.face_count, 3, 3))
     shifts = np.empty((pattern.face_count, 3))
     for faces, corners in pattern.faces_by_size():
-        turns[faces], shifts[faces] = _fitted(flat[corners], coords[corners])
+        turns[faces], shifts[faces] = nearest_motions(flat[corners], coords[corners])
     return turns, shifts
 
 
@@ -41,13 +41,16 @@ def bend_mm(
     return float(norm(placed - coords[pattern.faces_vertices]).max(initial=0.0))
 
 
-def _fitted(flat: FloatArray, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Best rigid motions between point sets, shapes (k, n, 3)."""
-    middle, goal = flat.mean(axis=1), moved.mean(axis=1)
-    spread = (flat - middle[:, None]).swapaxes(1, 2) @ (moved - goal[:, None])
+def nearest_motions(points: FloatArray, onto: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Best rigid motions x -> turn x + shift of point sets onto others (Kabsch 1976).
+
+    Both have shape (k, n, 3); the motions have shapes (k, 3, 3) and (k, 3), and never mirror.
+    """
+    middle, goal = points.mean(axis=1), onto.mean(axis=1)
+    spread = (points - middle[:, None]).swapaxes(1, 2) @ (onto - goal[:, None])
     left, _, right = np.linalg.svd(spread)
     left, right = left.swapaxes(1, 2), right.swapaxes(1, 2)
-    sign = np.ones((len(flat), 3))
+    sign = np.ones((len(points), 3))
     sign[:, 2] = np.linalg.det(right @ left)
     turn = (right * sign[:, None, :]) @ left
     return turn, goal - np.squeeze(turn @ middle[:, :, None], axis=2)
