@@ -15,7 +15,11 @@ Flap-angle chain: one flap angle decides all others of a strip, S44 to S49
     `coupling`, `half_angles`, `transfer_matrices`, `inverse_matrices`, `transfer_flap_angles`,
     `transfer_derivative`; module `transfer`.
 Closed fronts, S1 B.2: the flap angles for which a ring closes
-    `loop_closings`, `Closings`, `Closing`; module `transfer`.
+    `loop_closings`, `Closings`, `Closing`, `loop_misses`; module `transfer`.
+All around the circle of the flap angle: a vertex, a strip, and the landscape of a cost (S13)
+    `vertex_family`, `strip_family`, `flap_angle_landscape`; modules `vertex_family`, `strip_family`
+    and `flap_landscape`. The strips of a finished sheet one after another: `grown_strips`, module
+    `growth_order`.
 Growth front: its angles beta and k, new creases, length bounds (S20, S21)
     `Front`, `Rays`; module `front`.
 Growth strip by strip, on any side of a patch
@@ -71,11 +75,14 @@ from solver.designs import (
 )
 from solver.errors import InvalidState, InvalidValue, OrigamiError
 from solver.fitting import fit_surface
+from solver.flap_landscape import FlapLandscape, flap_angle_landscape
 from solver.front import Front, Rays
 from solver.growth import Growth, Status, Stop, Strip, grow
+from solver.growth_order import GrownStrip, grown_strips
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
 from solver.rigid_march import RigidSheet, march
+from solver.strip_family import StripFamily, strip_family
 from solver.targets import (
     Frame,
     ImplicitSurface,
@@ -93,6 +100,7 @@ from solver.transfer import (
     half_angles,
     inverse_matrices,
     loop_closings,
+    loop_misses,
     transfer_derivative,
     transfer_flap_angles,
     transfer_matrices,
@@ -107,6 +115,7 @@ from solver.vertex import (
     locked_flap_angles,
     self_intersects,
 )
+from solver.vertex_family import VertexFamily, vertex_family
 
 __all__ = [
     "DESIGNS",
@@ -119,8 +128,10 @@ __all__ = [
     "Crumpled",
     "CurvedFold",
     "Design",
+    "FlapLandscape",
     "Frame",
     "Front",
+    "GrownStrip",
     "Growth",
     "ImplicitSurface",
     "InvalidState",
@@ -139,10 +150,12 @@ __all__ = [
     "Status",
     "Stop",
     "Strip",
+    "StripFamily",
     "SurfaceFit",
     "Target",
     "TiltedRings",
     "TurnedTarget",
+    "VertexFamily",
     "continuation_flap_angles",
     "coupling",
     "design_angles",
@@ -150,24 +163,29 @@ __all__ = [
     "even_flap_angles",
     "explicit_surface",
     "fit_surface",
+    "flap_angle_landscape",
     "flap_angle_of",
     "flat_foldable_flap_angles",
     "grow",
     "grow_corner",
     "grow_part",
     "grow_pentagon",
+    "grown_strips",
     "growth_direction",
     "half_angles",
     "inverse_matrices",
     "isometry",
     "locked_flap_angles",
     "loop_closings",
+    "loop_misses",
     "march",
     "planarity",
     "ray_hit",
     "seeds",
     "self_intersects",
+    "strip_family",
     "transfer_derivative",
     "transfer_flap_angles",
     "transfer_matrices",
+    "vertex_family",
 ]

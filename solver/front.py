@@ -337,28 +337,34 @@ class Front:
         left, right = locked_flap_angles(a, b, self.back, self.couplings)
         return self_intersects(flap_angles, left[:, None], right[:, None])
 
-    def free_flap_angles(self) -> FloatArray:
-        """Flap angles at front vertex 1 for which no vertex self-intersects, as arcs (k, 2).
+    def crossing_flap_angles(self) -> FloatArray:
+        """Flap angles at front vertex 1 for which new faces cross old ones, as arcs, (m - 1, 2, 2).
 
-        The crossing intervals of every vertex (S2 B) are carried to the first one by inverse
-        matrices and united exactly (S4 D); see `solver.arcs` for the form of arcs.
+        Two arcs for each interior vertex (S2 B), on the old crease's side of its beta plane: from
+        the plane to the first locked flap angle, and from the second one to the plane. Inverse
+        matrices carry them to vertex 1 (S4 D). A front that is a curve has none, shape (0, 2, 2).
         """
         if self.back is None:
-            return free_arcs(np.empty((0, 2)))
+            return np.empty((0, 2, 2))
         a, b = -self.edges_direction[:-1], self.edges_direction[1:]
         left, right = locked_flap_angles(a, b, self.back, self.couplings)
         base = np.where(left < np.pi, 0.0, np.pi)
-        ends = np.concatenate(
-            [
-                np.column_stack([base, np.minimum(left, right)]),
-                np.column_stack([np.maximum(left, right), base + np.pi]),
-            ]
-        )
+        first = np.column_stack([base, np.minimum(left, right)])
+        second = np.column_stack([np.maximum(left, right), base + np.pi])
         matrices = inverse_matrices(self.transfer_matrices)
-        images = transfer_each(np.concatenate([matrices, matrices]), ends)
+        images = transfer_each(matrices, np.concatenate([first, second], axis=1))
+        images = images.reshape(-1, 2, 2)
         turned = np.linalg.det(matrices) < 0  # such a map runs backwards round the circle
-        images = np.where(np.concatenate([turned, turned])[:, None], images[:, ::-1], images)
-        return free_arcs(images)
+        out: FloatArray = np.where(turned[:, None, None], images[:, :, ::-1], images)
+        return out
+
+    def free_flap_angles(self) -> FloatArray:
+        """Flap angles at front vertex 1 for which no vertex self-intersects, as arcs (k, 2).
+
+        What the union of `crossing_flap_angles` leaves, exactly; see `solver.arcs` for the form of
+        arcs.
+        """
+        return free_arcs(self.crossing_flap_angles().reshape(-1, 2))
 
     def away_from_back(self, flap_angles: FloatArray) -> BoolArray:
         """Vertices whose new crease and old crease are on different sides of the beta plane.

@@ -44,6 +44,7 @@ __all__ = [
     "inverse_matrices",
     "loop_closings",
     "loop_miss",
+    "loop_misses",
     "transfer_derivative",
     "transfer_each",
     "transfer_flap_angles",
@@ -294,6 +295,22 @@ def loop_miss(
         total = float(np.abs(ahead).sum()) + 1.0
     spread: FloatArray = -miss * np.sign(ahead) / total
     return miss, spread
+
+
+def loop_misses(couplings: FloatArray, deltas: FloatArray, flap_angles: FloatArray) -> FloatArray:
+    """By how much a loop misses each first flap angle after once around, shape (q,).
+
+    couplings, deltas : as for `loop_closings`; flap_angles : radians, shape (q,). Radians in
+    (-pi, pi], 0 where the loop closes: those are the fixed points of `loop_closings`.
+
+    >>> loop_misses(np.ones(3), np.zeros(3), np.radians([90.0, 100.0])).round(6).tolist()
+    [0.0, -0.349066]
+    """
+    start = np.stack([np.sin(flap_angles / 2), np.cos(flap_angles / 2)])
+    sine, cosine = _loop_matrix(couplings, deltas) @ start
+    turned = 2 * np.arctan2(sine, cosine) - flap_angles
+    out: FloatArray = -np.remainder(-turned + np.pi, 2 * np.pi) + np.pi
+    return out
 
 
 def _loop_matrix(couplings: FloatArray, deltas: FloatArray) -> FloatArray:

@@ -26,7 +26,14 @@ from solver import (
     seeds,
 )
 from solver.designs.brownian_ribbon import ribbon
-from solver.transfer import Closing, _fixed_direction, half_angles, loop_closings, loop_miss
+from solver.transfer import (
+    Closing,
+    _fixed_direction,
+    half_angles,
+    loop_closings,
+    loop_miss,
+    loop_misses,
+)
 from solver.vectors import angle_between
 from solver.vertex import design_angles, even_flap_angles, flap_angle_of, growth_direction
 
@@ -358,3 +365,16 @@ def test_half_angles_begin_at_the_vertex_given():
     front = Front.of(mesh, Side.TOP)
     s, c = half_angles(front.couplings, front.deltas, 1.0, len(front.couplings) - 1)
     assert 2 * np.arctan2(s[-1], c[-1]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_misses_of_a_loop_are_those_of_its_chain_and_vanish_where_it_closes(seed):
+    random = np.random.default_rng(seed)
+    size = 5 + 2 * (seed % 4)
+    couplings, deltas = random.uniform(0.3, 3.0, size), random.uniform(-1, 1, size)
+    closings = loop_closings(couplings, deltas)
+    np.testing.assert_allclose(loop_misses(couplings, deltas, closings.flap_angles), 0, atol=1e-9)
+    trials = random.uniform(0, 2 * np.pi, 5)
+    for trial, miss in zip(trials, loop_misses(couplings, deltas, trials), strict=True):
+        s, c = half_angles(couplings, deltas[:-1], trial)
+        assert miss == pytest.approx(loop_miss(couplings, deltas[-1], s, c)[0], abs=1e-9)
