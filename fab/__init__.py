@@ -40,13 +40,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fab.errors import Finding, InvalidFile, InvalidJob, Severity
     from fab.folding.fold_settings import FoldSettings
-    from fab.folding.folding_files import simulate
     from fab.folding.rigid_motion import rigid_motion
-    from fab.formats.conversion import convert
     from fab.formats.read_options import ReadOptions
+    from fab.jobs.conversion import convert
+    from fab.jobs.folding_files import simulate
     from fab.jobs.job import Job, load_job, parse_job
     from fab.jobs.job_files import Format, Sheet, from_mesh, make
+    from fab.jobs.print_files import make_thick
     from fab.jobs.reading import read_any, read_pattern
+    from fab.jobs.sheet_files import fabricate
     from fab.outputs import Made, write
     from fab.panels.bevelled_panels import PanelSettings
     from fab.panels.cad_assembly import assembly, pose
@@ -54,10 +56,8 @@ if TYPE_CHECKING:
     from fab.panels.step import step_bytes
     from fab.panels.thick_sheet import thicken
     from fab.pattern.crease_pattern import CreasePattern
-    from fab.printing.print_files import make_thick
     from fab.printing.thick_settings import thick_settings
     from fab.sheets.materials import load_machine, load_material
-    from fab.sheets.sheet_files import fabricate
     from fab.sheets.sheet_request import SheetRequest
 
     __version__: str
@@ -116,20 +116,20 @@ _MODULES = {
     "Sheet": "fab.jobs.job_files",
     "SheetRequest": "fab.sheets.sheet_request",
     "assembly": "fab.panels.cad_assembly",
-    "convert": "fab.formats.conversion",
-    "fabricate": "fab.sheets.sheet_files",
+    "convert": "fab.jobs.conversion",
+    "fabricate": "fab.jobs.sheet_files",
     "from_mesh": "fab.jobs.job_files",
     "load_job": "fab.jobs.job",
     "load_machine": "fab.sheets.materials",
     "load_material": "fab.sheets.materials",
     "make": "fab.jobs.job_files",
-    "make_thick": "fab.printing.print_files",
+    "make_thick": "fab.jobs.print_files",
     "parse_job": "fab.jobs.job",
     "pose": "fab.panels.cad_assembly",
     "read_any": "fab.jobs.reading",
     "read_pattern": "fab.jobs.reading",
     "rigid_motion": "fab.folding.rigid_motion",
-    "simulate": "fab.folding.folding_files",
+    "simulate": "fab.jobs.folding_files",
     "step_bytes": "fab.panels.step",
     "thick_settings": "fab.printing.thick_settings",
     "thicken": "fab.panels.thick_sheet",

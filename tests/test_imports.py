@@ -36,7 +36,7 @@ FORMATS: dict[str, set[str]] = {
     "meshes": {"fold"},
 }
 # The modules at the root of the formats that know these packages.
-DISPATCH = {"reading", "conversion", "reading_picture"}
+DISPATCH = {"reading"}
 # The modules at the root of `fab`, each of which imports only those before it.
 ROOT_MODULES = ["errors", "files", "progress", "settings", "catalogue", "outputs"]
 # What geometry may know of the solver.

@@ -83,8 +83,8 @@ def simulate(
     that folds most is at --fold-deg.
     """
     with answers() as interrupts:
-        from fab.folding.folding_files import SimulationFormat, simulate
         from fab.folding.simulation import Solver
+        from fab.jobs.folding_files import SimulationFormat, simulate
         from fab.outputs import plain_title
 
         formats = formats_of(only, SimulationFormat) or list(SimulationFormat)

@@ -70,8 +70,8 @@ def thicken(
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
     """
     with answers() as interrupts:
+        from fab.jobs.print_files import ORDINARY, ThickFormat, make_thick
         from fab.outputs import file_names, plain_title
-        from fab.printing.print_files import ORDINARY, ThickFormat, make_thick
         from fab.printing.thick_settings import thick_settings
 
         formats = formats_of(only, ThickFormat) or ORDINARY

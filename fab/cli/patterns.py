@@ -101,8 +101,8 @@ def convert(
     quadfold convert first.obj second.obj --out crane.fold   a flat and a folded mesh
     """
     with answers():
-        from fab.formats.conversion import convert
         from fab.formats.pattern_file import resized
+        from fab.jobs.conversion import convert
         from fab.jobs.reading import read_any
         from fab.outputs import require_folder
 

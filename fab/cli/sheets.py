@@ -66,10 +66,10 @@ def fabricate(
     """
     with answers() as interrupts:
         from fab.drawings.drawing_files import SheetFormat
+        from fab.jobs.sheet_files import fabricate, sheet_names
         from fab.outputs import plain_title
         from fab.sheets.materials import load_machine, load_material
         from fab.sheets.registration import Registration
-        from fab.sheets.sheet_files import fabricate, sheet_names
         from fab.sheets.sheet_request import SheetRequest
 
         stock, cutter = load_material(material), load_machine(machine)

@@ -1,7 +1,6 @@
 """Files of other programs, in and out.
 
-- `reading` chooses the reader of a file: `read_pattern_file(path, ReadOptions)`, a `PatternFile`;
-  `conversion` makes files of a pattern for other programs, and `reading_picture` a picture
+- `reading` chooses the reader of a file: `read_pattern_file(path, ReadOptions)`, a `PatternFile`
 - `read_options`, `pattern_file` and `strictness` say what is asked for, what comes of it, and which
   findings are repairs
 - `source_files`, `coordinate_bounds` and `units` serve all readers

@@ -1,6 +1,9 @@
 """Jobs: from a design or a mesh to all its files.
 
+What a command makes is in a module of its own, where the branches join: `job_files` (run),
+`sheet_files` (fabricate), `print_files` (thicken), `folding_files` (simulate), `conversion`.
+
 `job` has the tables of a job, `design_settings` and `own_designs` those of its design; `grow` makes
-the crease pattern, `job_files` its files. `suggestion` finds feasible thicknesses and sizes,
+the crease pattern. `suggestion` finds feasible thicknesses and sizes,
 `pattern_check` measures patterns of any origin.
 """

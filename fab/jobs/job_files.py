@@ -300,7 +300,7 @@ def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
     boxes = {"flat": box_mm(pattern.vertices_coords), "folded": box_mm(pattern.folded_coords)}
     if not wanted & _SOLID:
         return _Part(report={"bounding_box_mm": boxes, "solids": None})
-    from fab.printing.print_files import ThickFormat, thick_files
+    from fab.jobs.print_files import ThickFormat, thick_files
 
     print_with = settings.print_with(settings.folder)
     made = thick_files(

@@ -5,5 +5,6 @@
 - `plates`: sheets larger than the bed, with `dovetails` (joints of their parts), `joint_plans` (the
   outlines of joints) and `jointed_sheet` (bodies that are cut by them)
 - `stl`, `threemf`, `thick_picture`: one module for each kind of file
-- `print_files`: a crease pattern to all of these files and their report
+
+`fab.jobs.print_files` makes all of these files, and their report.
 """

@@ -2,8 +2,8 @@
 
 From pattern to files:
 
-- `sheet_request`: what is asked for: material, machine, copies, sides, formats.
-- `sheet_files`: all files of the sheets, from all that follows; `sheet_report`: their report.
+- `sheet_request`: what is asked for: material, machine, copies, sides, formats;
+  `fab.jobs.sheet_files` makes it, from all that follows; `sheet_report`: the report.
 - `materials`: sheet materials and cutters, as data.
 
 Pieces:

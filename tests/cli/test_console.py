@@ -44,8 +44,8 @@ def test_an_exit_code_of_1_has_an_error_on_the_terminal(capsys, tmp_path):
     """The crane whose overlap between states was shown in place of the one that failed it."""
     path = shared_case("crane_plain.fold")
     from fab import read_pattern
+    from fab.jobs.print_files import ThickFormat, make_thick
     from fab.pattern.crease_pattern import scaled
-    from fab.printing.print_files import ThickFormat, make_thick
     from fab.printing.thick_settings import thick_settings
 
     pattern = scaled(read_pattern(path)[0], width_mm=200.0)

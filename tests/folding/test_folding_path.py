@@ -12,11 +12,11 @@ from fab import read_pattern
 from fab.folding import bar_hinge_model
 from fab.folding.bar_hinge_model import framework, wrapped
 from fab.folding.fold_settings import FoldSettings
-from fab.folding.folding_files import simulate
 from fab.folding.folding_path import closing_path, hinges_around
 from fab.folding.quasi_static import fold, largest_turns, path_at
 from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import findings_of, judge
+from fab.jobs.folding_files import simulate
 from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad
 from solver.hinge_angles import hinge_angles
 

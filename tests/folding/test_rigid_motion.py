@@ -16,7 +16,6 @@ from fab.cli.group import main
 from fab.folding.bar_hinge_model import framework
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folded_states import Stage, folded_states
-from fab.folding.folding_files import simulate
 from fab.folding.freedom import freedom_of
 from fab.folding.rigid_creases import rigid_creases
 from fab.folding.rigid_folding import fold_rigidly
@@ -24,6 +23,7 @@ from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.simulation import Solver
 from fab.folding.verdict import judge
 from fab.formats.fold.reader import read_fold
+from fab.jobs.folding_files import simulate
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make

@@ -10,9 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from strategies import sheets
 
-from fab.formats.conversion import convert
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
+from fab.jobs.conversion import convert
 from fab.jobs.reading import read_any
 from fab.outputs import write
 from fab.pattern.crease_pattern import crease_pattern, scaled

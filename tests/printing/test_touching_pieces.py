@@ -9,7 +9,7 @@ from flat_patterns import grid, pattern_of
 from shared_cases import shared_case
 
 from fab import read_pattern
-from fab.printing.print_files import ThickFormat, make_thick
+from fab.jobs.print_files import ThickFormat, make_thick
 from fab.printing.thick_settings import thick_settings
 
 

@@ -9,10 +9,10 @@ from flat_patterns import grid
 from helpers import PATTERNS
 
 from fab import read_pattern
-from fab.folding.folding_files import simulate
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file
+from fab.jobs.folding_files import simulate
 
 ASSIGN = ReadOptions(assign=True)
 

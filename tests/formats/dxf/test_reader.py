@@ -17,8 +17,8 @@ from fab.drawings.dxf import DxfVersion
 from fab.errors import InvalidFile, Severity
 from fab.formats.dxf.reader import read_dxf
 from fab.formats.read_options import ReadOptions
+from fab.jobs.sheet_files import fabricate
 from fab.sheets.materials import load_machine, load_material
-from fab.sheets.sheet_files import fabricate
 from fab.sheets.sheet_request import SheetRequest
 
 

@@ -11,11 +11,11 @@ from strategies import patches
 
 from fab import read_pattern
 from fab.errors import InvalidFile
-from fab.formats.conversion import convert
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file
+from fab.jobs.conversion import convert
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.inspection import inspect_angles

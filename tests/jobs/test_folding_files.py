@@ -16,12 +16,12 @@ from fab.cli.group import main
 from fab.folding.animation import gif_bytes
 from fab.folding.bar_hinge_model import framework
 from fab.folding.fold_settings import FoldSettings
-from fab.folding.folding_files import SimulationFormat, simulate
 from fab.folding.quasi_static import aligned, fold
 from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.target_forms import form_difference
 from fab.folding.verdict import judge
 from fab.formats.fold.reader import read_fold
+from fab.jobs.folding_files import SimulationFormat, simulate
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
 from fab.pattern.kinematics import fold_by_angles

@@ -12,11 +12,11 @@ from helpers import PATTERNS, REFERENCE, made_template, published
 from fab import ReadOptions, read_pattern
 from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob
-from fab.formats.conversion import convert
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.meshes.obj import obj_bytes, read_obj
 from fab.formats.pattern_file import PatternFile
 from fab.formats.svg.writer import simulator_svg_bytes
+from fab.jobs.conversion import convert
 from fab.jobs.reading import read_any
 from fab.outputs import write
 from fab.pattern.crease_pattern import fold_angles_deg

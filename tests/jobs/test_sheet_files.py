@@ -32,6 +32,7 @@ from fab.formats.fold.writer import fold_bytes
 from fab.geometry.rings import ring_areas
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
+from fab.jobs.sheet_files import fabricate, sheet_names
 from fab.outputs import left_over
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.labels import number_text
@@ -39,7 +40,6 @@ from fab.sheets.materials import load_machine, load_material, perforation_for
 from fab.sheets.perforation import cut_layers, cut_piece
 from fab.sheets.pieces import split
 from fab.sheets.registration import Registration
-from fab.sheets.sheet_files import fabricate, sheet_names
 from fab.sheets.sheet_request import SheetRequest
 from solver import InvalidValue
 
@@ -67,7 +67,7 @@ def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
         return kept[-1]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fab.sheets.sheet_files.split", kept_split)
+        patch.setattr("fab.jobs.sheet_files.split", kept_split)
         made = fabricate(pattern, name, SheetRequest(load_material(material), machine, **choices))
     return kept[0][0], made
 
@@ -455,7 +455,7 @@ from fab.drawings.drawing_files import SheetFormat
 from fab import read_pattern
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.materials import load_machine, load_material
-from fab.sheets.sheet_files import fabricate
+from fab.jobs.sheet_files import fabricate
 from fab.sheets.sheet_request import SheetRequest
 request = SheetRequest(
     load_material("copy_paper_80gsm"), load_machine("co2_100w_1300x900"), formats=[SheetFormat.SVG]

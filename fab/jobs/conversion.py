@@ -12,11 +12,11 @@ from fab.formats.meshes.obj import obj_bytes
 from fab.formats.meshes.obj_patterns import FLAT, FOLD
 from fab.formats.oripa.cp import cp_bytes, lost_in_cp
 from fab.formats.pattern_file import PatternFile
-from fab.formats.reading_picture import reading_png_bytes
 from fab.formats.svg.writer import simulator_svg_bytes
 from fab.outputs import Made, plain_title
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_closure
+from fab.viewing.reading_picture import reading_png_bytes
 from solver.vectors import FloatArray
 
 __all__ = ["WRITTEN", "convert"]
