@@ -12,10 +12,18 @@ from solver.graphs import labels
 from solver.growth import Growth, Status
 from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats
-from solver.surface_sheets import PLEATS, TURNS, SurfaceSheet, SurfaceSheets, surface_sheets
+from solver.relaxation.sheet_fit import Wishes
+from solver.surface_sheets import (
+    MOST_SHEETS,
+    PLEATS,
+    TURNS,
+    SurfaceSheet,
+    SurfaceSheets,
+    surface_sheets,
+)
 from solver.targets.base import Target
 from solver.targets.smoothing import smoothed, smoothing_length
-from solver.targets.surface_mesh import SurfaceMesh
+from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["joined", "relaxed_fit", "sampled"]
@@ -34,6 +42,7 @@ def relaxed_fit(
     zigzag: float | None = None,
     row_step: float | None = None,
     turn: float | None = None,
+    rigid: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
     """Sheets relaxed onto a surface, as many as it needs, joined in one mesh.
@@ -44,6 +53,8 @@ def relaxed_fit(
     thickness, zigzag, row_step : of the cell, in steps (thickness: in rows' distances); see
         `Pleats`. turn : direction of the lines, radians from the longest extent of the map. What
         is not given is chosen.
+    rigid : whether sheets fold rigidly, and flat; they are then as near to their offsets as that
+        allows, and a surface that is not closed gets a single one.
     progress : called with the number of settings tried and about how many there are.
 
     A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`);
@@ -71,9 +82,11 @@ def relaxed_fit(
         columns,
         pleats=list(dict.fromkeys(tried)),
         turns=TURNS if turn is None else (turn,),
+        wishes=Wishes(rigid=rigid),
+        most_sheets=1 if rigid and mesh.kind is not MeshKind.SPHERE else MOST_SHEETS,
         progress=progress,
     )
-    return _told(found, smoothing)
+    return _told(found, smoothing, rigid)
 
 
 def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[str, float]]:
@@ -91,7 +104,7 @@ def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[st
     return mesh, {}
 
 
-def _told(found: SurfaceSheets, smoothing: dict[str, float]) -> Growth:
+def _told(found: SurfaceSheets, smoothing: dict[str, float], rigid: bool) -> Growth:
     sheets = found.sheets
     mesh = (
         joined([sheet.mesh.cut_open() for sheet in sheets]) if len(sheets) > 1 else sheets[0].mesh
@@ -106,7 +119,12 @@ def _told(found: SurfaceSheets, smoothing: dict[str, float]) -> Growth:
         "step": first.step,
     }
     chosen |= smoothing
-    bad = [(number, sheet) for number, sheet in enumerate(sheets, 1) if not sheet.good]
+    # how far a sheet that folds rigidly is off its surface is for the user to judge
+    bad = [
+        (number, sheet)
+        for number, sheet in enumerate(sheets, 1)
+        if not (sheet.unfolds and not sheet.crossings if rigid else sheet.good)
+    ]
     rows = sum(sheet.mesh.grid.shape[0] - 1 for sheet in sheets)
     deviations = np.concatenate([sheet.deviations for sheet in sheets])
     status, advice = Status.GROWN, ""
@@ -119,7 +137,6 @@ def _told(found: SurfaceSheets, smoothing: dict[str, float]) -> Growth:
 def _advice(number: int, sheet: SurfaceSheet, count: int) -> str:
     """What is wrong with a sheet, and what would help."""
     name = f"Sheet {number} of {count}" if count > 1 else "The sheet"
-    off = float(np.abs(sheet.deviations).max(initial=0.0)) / sheet.step
     if sheet.advice:
         return f"{name}: {sheet.advice}"
     if not sheet.exact:
@@ -130,8 +147,9 @@ def _advice(number: int, sheet: SurfaceSheet, count: int) -> str:
             "thickness or another turn may help."
         )
     return (
-        f"{name} covers {sheet.coverage:.1%} of its part, and its vertices are up to {off:.2f} "
-        "steps off their offsets. More columns or a smaller thickness bring it nearer."
+        f"{name} covers {sheet.coverage:.1%} of its part, and its vertices are up to "
+        f"{sheet.off:.2f} steps off their offsets. More columns or a smaller thickness bring it "
+        "nearer."
     )
 
 

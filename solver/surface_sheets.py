@@ -9,7 +9,8 @@
 
 Several shapes of cells and directions are tried; a sheet is good if it is exact, does not cross
 itself, covers its part and stays near its offsets. Of good ones the one with the largest least
-sector angle is taken: slim faces are hard to make.
+sector angle is taken: slim faces are hard to make. Of sheets that fold rigidly, which have no
+freedom left to follow a surface, it is the one nearest to its offsets.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import FloatArray, angle_between
 
-__all__ = ["PLEATS", "TURNS", "SurfaceSheet", "SurfaceSheets", "surface_sheets"]
+__all__ = ["MOST_SHEETS", "PLEATS", "TURNS", "SurfaceSheet", "SurfaceSheets", "surface_sheets"]
 
 # Cells that are tried, the most usual first, and directions from the map's longest extent.
 PLEATS = (
@@ -61,8 +62,8 @@ _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
 _MOST_COLUMNS = 400
-# A surface is halved at most so often.
-_MOST_HALVINGS = 2
+# A surface is halved at most twice.
+MOST_SHEETS = 4
 
 
 @dataclass(frozen=True)
@@ -107,14 +108,22 @@ class SurfaceSheet:
     @property
     def faults(self) -> float:
         """How much is wrong with it: 0 of a good one."""
-        inexact = self.status is not RelaxationStatus.RELAXED or not self.exact
-        off = float(np.abs(self.deviations).max(initial=0.0)) / self.step
         return (
-            100.0 * inexact
+            100.0 * (not self.unfolds)
             + self.crossings
             + 100 * max(0.0, _COVERED - self.coverage)
-            + 10 * max(0.0, off - _OFF)
+            + 10 * max(0.0, self.off - _OFF)
         )
+
+    @property
+    def unfolds(self) -> bool:
+        """Whether relaxation made it exact."""
+        return self.status is RelaxationStatus.RELAXED and self.exact
+
+    @property
+    def off(self) -> float:
+        """How far at most a vertex is off its offset, in steps."""
+        return float(np.abs(self.deviations).max(initial=0.0)) / self.step
 
 
 @dataclass(frozen=True)
@@ -137,7 +146,7 @@ def surface_sheets(
     pleats: Sequence[Pleats] = PLEATS,
     turns: Sequence[float] = TURNS,
     wishes: Wishes | None = None,
-    most_sheets: int = 2**_MOST_HALVINGS,
+    most_sheets: int = MOST_SHEETS,
     progress: Callable[[int, int], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
 ) -> SurfaceSheets:
@@ -234,7 +243,8 @@ class _Search:
             for pleats, turn in self._settings(lay):
                 sheet = self._tried(lay, few, pleats, turn)
                 if sheet is not None:
-                    ranked.append((sheet.faults, -sheet.least_sector, sheet, lay))
+                    worth = -sheet.off if self.wishes.rigid else sheet.least_sector
+                    ranked.append((sheet.faults, -worth, sheet, lay))
                 if self._stopped() or sum(r[0] == 0 for r in ranked) >= _CHOICES:
                     break
             if any(r[0] == 0 for r in ranked):

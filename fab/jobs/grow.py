@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 
+import numpy as np
+
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.jobs.job import Job, SheetSize
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
@@ -18,6 +20,8 @@ __all__ = ["Grown", "grown", "grown_pattern", "growth_findings", "overlap_findin
 
 # A sheet that covers less of its surface gets a finding.
 _COVERED = 0.95
+# So does one with a vertex farther off its offset, in steps.
+_FAR_OFF = 0.15
 
 
 def grown_pattern(
@@ -93,7 +97,23 @@ def growth_findings(growth: Growth) -> list[Finding]:
         )
         text = f"{growth.coverage:.1%} of the surface is under the sheet. {cure}"
         findings.append(Finding("surface-not-covered", Severity.WARNING, text))
-    return findings
+    return findings + _far_off(growth)
+
+
+def _far_off(growth: Growth) -> list[Finding]:
+    """That a sheet, though it can be made, is far off its surface: one that folds rigidly."""
+    if growth.status is not Status.GROWN or growth.deviations is None:
+        return []
+    off = float(np.abs(growth.deviations).max(initial=0.0)) / growth.chosen["step"]
+    if off <= _FAR_OFF:
+        return []
+    text = (
+        f"vertices are up to {off:.3g} steps off their offsets of the surface; {_FAR_OFF:g} would "
+        "be near. A sheet that folds rigidly can only follow gentle surfaces: fewer columns, a "
+        "larger thickness or a flatter surface bring it nearer; so does rigid = false, for "
+        "material that bends."
+    )
+    return [Finding("far-from-surface", Severity.WARNING, text)]
 
 
 def overlap_findings(overlaps: IntArray) -> list[Finding]:

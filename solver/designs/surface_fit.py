@@ -101,13 +101,16 @@ class SurfaceFit:
     ----------
     surface : the target: a name of `SURFACES` (waves is figure 4A), any `Target`, or a
         `SurfaceMesh`, which can only be relaxed onto.
-    method : grow, relax, or auto: a `SurfaceMesh` is relaxed onto, everything else is grown on.
+    method : grow, relax, or auto: a `SurfaceMesh` is relaxed onto, and so is what folds rigidly;
+        everything else is grown on.
     columns : m, number of quads across the surface's domain, along v.
     thickness : distance of the two offset surfaces, in steps of v.
     zigzag : swing of the seed's rows along u, in steps of v; None: chosen.
     row_step : distance of the seed's rows along u, in steps of v; None: chosen.
     turn : direction of growth, from the surface's u towards its v, radians; None: chosen.
     trim : whether faces outside the surface's domain are dropped; those of relaxed sheets are.
+    rigid : whether the sheet folds rigidly, and flat, in one motion. It is relaxed, and follows its
+        surface only as far as that allows.
     cost : what flap angles make least: mirror, or design_angles, the paper's S30. This and the
         next two are for growth alone.
     rows_may_end : whether a front goes on without vertices at its side that miss their offset.
@@ -122,6 +125,7 @@ class SurfaceFit:
     row_step: float | None = None
     turn: float | None = field(default=None, metadata={"angle": True})
     trim: bool = False
+    rigid: bool = False
     cost: str = "mirror"
     rows_may_end: bool = False
     lookahead: bool = False
@@ -149,7 +153,7 @@ class SurfaceFit:
                 "method", self.method, f"be one of {names}", "Leave it out for auto."
             )
         whole = isinstance(target, SurfaceMesh)
-        if self.method == "relax" or (self.method == "auto" and whole):
+        if self.method == "relax" or (self.method == "auto" and (whole or self.rigid)):
             # as many modules as all of growth, and only needed here
             from solver.relaxed_fit import relaxed_fit, sampled
 
@@ -161,8 +165,12 @@ class SurfaceFit:
                 zigzag=self.zigzag,
                 row_step=self.row_step,
                 turn=self.turn,
+                rigid=self.rigid,
                 progress=progress,
             )
+        if self.rigid:
+            cure = "Leave method out: a sheet that folds rigidly is relaxed."
+            raise InvalidValue("rigid", "true", "be false for a grown sheet", cure)
         if isinstance(target, SurfaceMesh):
             cure = "Give a `MeshSurface` of it, which is seen from above."
             raise InvalidValue("method", "grow", "be relax for a SurfaceMesh", cure)
