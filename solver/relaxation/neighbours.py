@@ -1,11 +1,11 @@
-"""Neighbours in a quad mesh: rings around vertices, opposite vertices, hinges.
+"""Neighbours in a quad mesh: rings around vertices, opposite vertices.
 
-    around an interior vertex v, counterclockwise       a hinge: an edge between two faces
+    around an interior vertex v, counterclockwise
     seen from the upper side:
              2
-             |                                                     end
-          3--v--1                                       first face | second face
-             |                                                   start
+             |
+          3--v--1
+             |
              0
 
 All are found from `faces_vertices` alone, shape (nf, 4), whether the mesh is a grid, a tube or
@@ -20,7 +20,7 @@ from solver.graphs import EdgeIndex
 from solver.mesh import edges_of, interior_vertices
 from solver.vectors import IntArray
 
-__all__ = ["hinges", "opposite_pairs", "sides", "vertex_rings"]
+__all__ = ["opposite_pairs", "sides", "vertex_rings"]
 
 
 def sides(faces_vertices: IntArray) -> IntArray:
@@ -87,26 +87,6 @@ def opposite_pairs(faces_vertices: IntArray, count: int) -> IntArray:
     across = np.column_stack([third[three], first[three], last[three], second[three]])
     outer = np.concatenate([outer, across.reshape(-1, 2)])
     return np.concatenate([inner, outer])
-
-
-def hinges(faces_vertices: IntArray) -> IntArray:
-    """Start and end of each inner edge, and a corner of either face beyond it, shape (n, 4).
-
-    The edge runs in the direction of its first face, which is on its left; the third vertex is the
-    one before the start in the first face, the fourth the one after it in the second.
-
-    >>> hinges(np.array([[0, 1, 4, 3], [1, 2, 5, 4]])).tolist()
-    [[1, 4, 0, 2]]
-    """
-    offsets = 4 * np.arange(len(faces_vertices) + 1)
-    edges = edges_of(faces_vertices.ravel(), offsets)
-    inner = edges.edges_faces[:, 1] >= 0
-    ends, beside = edges.edges_vertices[inner], faces_vertices[edges.edges_faces[inner]]
-    rows = np.arange(len(ends))
-    start = (beside == ends[:, :1, None]).argmax(axis=2)
-    first = beside[rows, 0, (start[:, 0] + 3) % 4]
-    second = beside[rows, 1, (start[:, 1] + 1) % 4]
-    return np.column_stack([ends, first, second])
 
 
 def _corners(faces_vertices: IntArray) -> tuple[IntArray, IntArray, IntArray]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.hinge_angles import hinge_angles, hinge_gradients
-from solver.relaxation.neighbours import hinges
+from solver.quad_hinges import hinges
 from solver.relaxation.terms import Linear
 from solver.targets.base import Target
 from solver.vectors import FloatArray, IntArray, dot, norm
@@ -135,7 +135,7 @@ class FoldBounds:
 
     Attributes
     ----------
-    vertices : hinges, shape (n, 4), see `neighbours.hinges`. signs : 1 for valleys, -1 for
+    vertices : hinges, shape (n, 4), see `quad_hinges.hinges`. signs : 1 for valleys, -1 for
         mountains, shape (n,). most : largest angle, radians.
     """
 

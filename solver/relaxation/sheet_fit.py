@@ -8,12 +8,14 @@ narrower than others without its folds closing. A hemisphere is covered so by up
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from solver.goals import Bounds, PanelRoom
 from solver.mesh import QuadMesh
 from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
+from solver.relaxation.goal_terms import LeastRooms, LeastSectors
 from solver.relaxation.method import Relaxation, relax
 from solver.relaxation.minimisation import Soft
 from solver.relaxation.neighbours import opposite_pairs, sides
@@ -47,21 +49,25 @@ class Wishes:
         sheet, which then follows the surface only about.
     least_side : least length of sides, over that in the cell.
     least_span : least distance of vertices two apart, over that in the cell.
+    bounds : of sides, inradii, sectors, folds and room for panels.
     most_fold : largest fold angle, radians, or None: beyond 165 degrees pleats soon cross.
-    offset, rim, side, least, fold : weights of the soft terms; `least` is that of both least
-        distances. With rim = 0 a sheet may draw back from the rim of its surface, far so where the
-        surface is domed, and is nearer to its offsets for it.
+    offset, rim, side, least, fold, bound : weights of the soft terms; `least` is that of both least
+        distances, `bound` that of inradii, sectors and room for panels. With rim = 0 a sheet may
+        draw back from the rim of its surface, far so where the surface is domed, and is nearer to
+        its offsets for it.
     """
 
     rigid: bool = False
     least_side: float = 0.4
     least_span: float = 0.2
+    bounds: Bounds = field(default_factory=Bounds)
     most_fold: float | None = 11 * np.pi / 12
     offset: float = 1.0
     rim: float = 0.1
     side: float = 3e-3
     least: float = 1.0
     fold: float = 1.0
+    bound: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -162,7 +168,7 @@ def sheet_terms(
     used = np.bincount(faces.ravel(), minlength=count) > 0
     followed = np.flatnonzero(used if held is None else used & held)
     edges, spans = sides(faces), opposite_pairs(faces, count)
-    lengths = sheet.side_lengths(edges)
+    lengths, bounds = sheet.side_lengths(edges), wishes.bounds
     soft = [
         Soft(
             SurfaceOffsets(
@@ -175,14 +181,28 @@ def sheet_terms(
             wishes.offset,
         ),
         Soft(SideLengths(edges, lengths), wishes.side),
-        Soft(LeastDistances(edges, wishes.least_side * lengths), wishes.least),
+        Soft(
+            LeastDistances(edges, np.maximum(wishes.least_side * lengths, bounds.least_side)),
+            wishes.least,
+        ),
         Soft(LeastDistances(spans, wishes.least_span * sheet.spans(spans)), wishes.least),
     ]
     if wishes.rim:
         soft.append(Soft(_rim(sheet, first) if rim is None else rim, wishes.rim))
-    if wishes.most_fold is not None:
-        soft.append(Soft(FoldBounds.of(faces, first, wishes.most_fold), wishes.fold))
+    most = np.pi if wishes.most_fold is None else wishes.most_fold
+    if min(most, bounds.most_fold) < np.pi:
+        term = FoldBounds.of(faces, first, min(most, bounds.most_fold))
+        soft.append(Soft(term, wishes.fold))
+    if bounds.least_sector:
+        soft.append(Soft(LeastSectors.of(faces, bounds.least_sector), wishes.bound))
+    rooms = [PanelRoom(_no_setbacks, bounds.least_inradius)] if bounds.least_inradius else []
+    for room in rooms if bounds.panels is None else [*rooms, bounds.panels]:
+        soft.append(Soft(LeastRooms.of(faces, count, room, sheet.cell.step), wishes.bound))
     return hard, soft
+
+
+def _no_setbacks(angles: FloatArray) -> FloatArray:
+    return np.zeros((1, len(angles)))
 
 
 def _rim(sheet: PleatedSheet, first: FloatArray) -> RimReach:

@@ -12,6 +12,7 @@ from relaxed_surfaces import VASE, Sphere, bump, bump_sheet, hemisphere, vase_tu
 
 from solver import InvalidState, InvalidValue, Miura, developability, planarity
 from solver.hinge_angles import hinge_angles
+from solver.quad_hinges import hinges
 from solver.relaxation import (
     DevelopableVertices,
     FlatFoldableVertices,
@@ -27,7 +28,7 @@ from solver.relaxation import (
     relax,
     relaxed_sheet,
 )
-from solver.relaxation.neighbours import hinges, sides, vertex_rings
+from solver.relaxation.neighbours import sides, vertex_rings
 from solver.relaxation.projection import projected
 from solver.self_intersection import crossing_faces
 

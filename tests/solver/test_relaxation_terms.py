@@ -9,6 +9,7 @@ from relaxed_surfaces import Sphere
 from solver import Miura, QuadMesh, developability, planarity
 from solver.hinge_angles import hinge_angles
 from solver.measure import sector_angles
+from solver.quad_hinges import hinges
 from solver.relaxation import (
     DevelopableVertices,
     FlatFoldableVertices,
@@ -18,7 +19,7 @@ from solver.relaxation import (
     SideLengths,
     SurfaceOffsets,
 )
-from solver.relaxation.neighbours import hinges, opposite_pairs, sides, vertex_rings
+from solver.relaxation.neighbours import opposite_pairs, sides, vertex_rings
 
 seeds = st.integers(0, 2**32 - 1)
 # A corner of a cube: three faces around a vertex, each beside two others.

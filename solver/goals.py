@@ -1,0 +1,201 @@
+"""Goals of makers: bounds of sides, inradii, sectors and folds, and the room that panels need.
+
+Bounds of lengths are given in a maker's unit. How long that is in the units of a surface may only
+be known of a sheet, whose flat or folded size is given: `Goals.unit` is asked of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solver.errors import InvalidValue
+from solver.hinge_angles import hinge_angles
+from solver.incircles import incircles
+from solver.measure import sector_angles
+from solver.mesh import QuadMesh
+from solver.quad_hinges import side_hinges
+from solver.vectors import BoolArray, FloatArray, IntArray, norm
+
+__all__ = ["Bounds", "FaceMeasures", "Goals", "PanelRoom", "face_measures"]
+
+# Bounds count as met within rounding.
+_MET = 1e-9
+
+
+@dataclass(frozen=True)
+class PanelRoom:
+    """Room that a panel needs in its face: a circle behind the setbacks of its creases.
+
+    Attributes
+    ----------
+    setbacks : of fold angles, radians, shape (n,): at each of k heights, shape (k, n).
+    radius : of the circle. size : by what setbacks are multiplied.
+    """
+
+    setbacks: Callable[[FloatArray], FloatArray]
+    radius: float
+    size: float = 1.0
+
+    def at(self, angles: FloatArray) -> FloatArray:
+        """Setbacks at each height, shape (k, n); none where the angle is NaN."""
+        known = np.isfinite(angles)
+        out = self.size * self.setbacks(np.where(known, angles, 0.0))
+        return np.where(known, out, 0.0)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of a sheet, lengths in its own units, angles in radians.
+
+    Attributes
+    ----------
+    least_side, least_inradius : of all faces, the radius of the widest circle in each.
+    least_sector : of all sector angles. most_fold : of all fold angles, mountains or valleys.
+    panels : room for panels, or None.
+    """
+
+    least_side: float = 0.0
+    least_inradius: float = 0.0
+    least_sector: float = 0.0
+    most_fold: float = np.pi
+    panels: PanelRoom | None = None
+
+    def misses(self, reached: FaceMeasures) -> FloatArray:
+        """By what share of its bound each of the five is missed, shape (5,); 0 where it is met.
+
+        Folds count as shares of what is left of a half turn.
+        """
+        room = np.inf if self.panels is None else self.panels.radius
+        lacks = [
+            _lack(reached.side, self.least_side),
+            _lack(reached.inradius, self.least_inradius),
+            _lack(reached.sector, self.least_sector),
+            _lack(np.array([np.pi - reached.most_fold]), np.pi - self.most_fold),
+            0.0
+            if self.panels is None
+            else max(0.0, 1 - float(reached.room.min(initial=np.inf)) / room),
+        ]
+        return np.array([0.0 if lack <= _MET else lack for lack in lacks])
+
+    def fine(self, reached: FaceMeasures) -> BoolArray:
+        """Whether each face is within the bounds, except that of folds, shape (nf,)."""
+        out = (
+            (reached.side >= self.least_side * (1 - _MET))
+            & (reached.inradius >= self.least_inradius * (1 - _MET))
+            & (reached.sector >= self.least_sector * (1 - _MET))
+        )
+        if self.panels is not None:
+            out = out & (reached.room >= self.panels.radius * (1 - _MET))
+        return np.asarray(out)
+
+    def tightened(self, reached: FaceMeasures) -> Bounds:
+        """Bounds beyond these by as much as they are missed."""
+        panels = self.panels
+        if panels is not None:
+            short = max(0.0, panels.radius - float(reached.room.min(initial=np.inf)))
+            panels = replace(panels, radius=panels.radius + short)
+        return Bounds(
+            _beyond(self.least_side, reached.side),
+            _beyond(self.least_inradius, reached.inradius),
+            _beyond(self.least_sector, reached.sector),
+            self.most_fold - max(0.0, reached.most_fold - self.most_fold),
+            panels,
+        )
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What a maker wants of sheets.
+
+    Attributes
+    ----------
+    bounds : lengths in the maker's unit.
+    unit : the length of that unit, in units of a sheet, asked of the sheet and of the vertices of
+        all that is folded together, shape (n, 3). None: it is theirs.
+    """
+
+    bounds: Bounds
+    unit: Callable[[QuadMesh, FloatArray], float] | None = None
+
+    def __post_init__(self) -> None:
+        bounds = self.bounds
+        for name in ("least_side", "least_inradius"):
+            if not 0 <= getattr(bounds, name) < np.inf:
+                raise InvalidValue(name, getattr(bounds, name), "be 0 or more", "Give a length.")
+        if not 0 <= bounds.least_sector < np.pi / 2:
+            raise InvalidValue(
+                "least_sector", bounds.least_sector, "be from 0 to pi / 2", "A quad has 2 pi."
+            )
+        if not 0 < bounds.most_fold <= np.pi:
+            raise InvalidValue(
+                "most_fold", bounds.most_fold, "be over 0, at most pi", "Flat sheets fold by 0."
+            )
+
+    def angles(self) -> Bounds:
+        """The bounds that have no length."""
+        return Bounds(least_sector=self.bounds.least_sector, most_fold=self.bounds.most_fold)
+
+    def of(self, sheet: QuadMesh, folded: FloatArray, larger: float = 1.0) -> Bounds:
+        """The bounds in the units of a sheet, lengths `larger` than they are."""
+        unit = larger * (1.0 if self.unit is None else self.unit(sheet, folded))
+        bounds, panels = self.bounds, self.bounds.panels
+        if panels is not None:
+            panels = replace(panels, radius=unit * panels.radius, size=unit * panels.size)
+        return replace(
+            bounds,
+            least_side=unit * bounds.least_side,
+            least_inradius=unit * bounds.least_inradius,
+            panels=panels,
+        )
+
+
+@dataclass(frozen=True)
+class FaceMeasures:
+    """Measures of each face: least side, inradius, least sector, radius for a panel, shape (nf,).
+
+    most_fold : the largest fold angle of the sheet, radians. room is infinite where panels have no
+    bounds.
+    """
+
+    side: FloatArray
+    inradius: FloatArray
+    sector: FloatArray
+    room: FloatArray
+    most_fold: float
+
+
+def face_measures(
+    coords: FloatArray, faces_vertices: IntArray, panels: PanelRoom | None = None
+) -> FaceMeasures:
+    """What goals bound, of a sheet with vertices (nv, 3) and faces (nf, 4).
+
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> found = face_measures(square, np.array([[0, 1, 2, 3]]))
+    >>> found.side.tolist(), found.inradius.tolist(), np.degrees(found.sector).round(9).tolist()
+    ([2.0], [1.0], [90.0])
+    """
+    corners = coords[faces_vertices]
+    side = norm(np.roll(corners, -1, axis=1) - corners).min(axis=1)
+    radius = incircles(corners, np.zeros(corners.shape[:2])).radii
+    sector = sector_angles(coords, faces_vertices).min(axis=1)
+    inner, beside = side_hinges(faces_vertices, len(coords))
+    angles = hinge_angles(coords, inner)
+    room = np.full(len(corners), np.inf)
+    if panels is not None:
+        around = np.append(angles, np.nan)[beside]
+        for back in panels.at(around.ravel()):
+            room = np.minimum(room, incircles(corners, back.reshape(around.shape)).radii)
+    return FaceMeasures(side, radius, sector, room, float(np.abs(angles).max(initial=0.0)))
+
+
+def _lack(reached: FloatArray, least: float) -> float:
+    if least <= 0:
+        return 0.0
+    return max(0.0, 1 - float(reached.min(initial=np.inf)) / least)
+
+
+def _beyond(least: float, reached: FloatArray) -> float:
+    return least + max(0.0, least - float(reached.min(initial=np.inf))) if least else 0.0

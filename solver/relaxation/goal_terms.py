@@ -1,0 +1,134 @@
+"""Soft terms of makers' goals: least sector angles, and room in faces for circles or panels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solver.goals import PanelRoom
+from solver.hinge_angles import hinge_angles, hinge_gradients
+from solver.incircles import incircles
+from solver.quad_hinges import side_hinges
+from solver.relaxation.terms import Linear
+from solver.vectors import FloatArray, IntArray, cross, dot, norm
+
+__all__ = ["LeastRooms", "LeastSectors"]
+
+# Angles by whose difference the slope of a setback is taken, radians.
+_APART = 1e-5
+
+
+@dataclass(frozen=True)
+class LeastSectors:
+    """Sector angles less the least ones where that is negative, radians; else 0.
+
+    Attributes
+    ----------
+    vertices : of each sector, shape (n, 3): its corner, and the ends of its sides counterclockwise.
+    least : smallest angle, radians.
+
+    >>> sector = LeastSectors(np.array([[0, 1, 2]]), np.pi / 2)
+    >>> corner = np.array([[0.0, 0, 0], [2, 0, 0], [1, 1, 0]])
+    >>> float(np.degrees(sector.linearised(corner).values[0]).round(9))
+    -45.0
+    """
+
+    vertices: IntArray
+    least: float
+
+    @classmethod
+    def of(cls, faces_vertices: IntArray, least: float) -> LeastSectors:
+        """That of all corners of faces (nf, 4)."""
+        after, before = np.roll(faces_vertices, -1, axis=1), np.roll(faces_vertices, 1, axis=1)
+        return cls(np.stack([faces_vertices, after, before], axis=-1).reshape(-1, 3), least)
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        corner, after, before = (coords[self.vertices[:, k]] for k in range(3))
+        a, b = after - corner, before - corner
+        normal = cross(a, b)
+        height = norm(normal)
+        short = np.arctan2(height, dot(a, b)) - self.least
+        near = short < 0
+        with np.errstate(invalid="ignore", divide="ignore"):
+            normal = np.where(near[:, None], normal / height[:, None], 0.0)
+        by_a = -cross(normal, a) / dot(a, a)[:, None]
+        by_b = cross(normal, b) / dot(b, b)[:, None]
+        return Linear(
+            np.where(near, short, 0.0), np.stack([-by_a - by_b, by_a, by_b], axis=1), self
+        )
+
+
+@dataclass(frozen=True)
+class LeastRooms:
+    """Radii of the widest circles in faces less the least one where that is negative; else 0.
+
+    Of circles behind setbacks that grow with fold angles, at several heights. In steps.
+
+    Attributes
+    ----------
+    vertices : shape (n, 8): corners of a face, and of the face beyond each side a corner, or -1.
+    hinges : shape (m, 4), see `hinge_angles`. beside : that of each side, shape (n, 4), or -1.
+    slots : where the vertices of that hinge are among the eight, shape (n, 4, 4).
+    height : the height that each residual is of, shape (n,).
+    room : the circles and setbacks. step : unit of the residuals.
+    """
+
+    vertices: IntArray
+    hinges: IntArray
+    beside: IntArray
+    slots: IntArray
+    height: IntArray
+    room: PanelRoom
+    step: float
+
+    @classmethod
+    def of(cls, faces_vertices: IntArray, count: int, room: PanelRoom, step: float) -> LeastRooms:
+        """That of all faces (nf, 4) of a sheet with `count` vertices."""
+        hinges, beside = side_hinges(faces_vertices, count)
+        own = hinges[beside]  # (nf, 4, 4)
+        known = (own[:, :, 2:, None] == faces_vertices[:, None, None]).any(axis=3)
+        far = np.where(known[:, :, 0], own[:, :, 3], own[:, :, 2])
+        vertices = np.concatenate([faces_vertices, np.where(beside >= 0, far, -1)], axis=1)
+        slots = (own[:, :, :, None] == vertices[:, None, None]).argmax(axis=3)
+        heights, faces = len(room.at(np.zeros(1))), len(faces_vertices)
+        return cls(
+            np.tile(vertices, (heights, 1)),
+            hinges,
+            np.tile(beside, (heights, 1)),
+            np.tile(slots, (heights, 1, 1)),
+            np.repeat(np.arange(heights), faces),
+            room,
+            step,
+        )
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        angles = np.append(hinge_angles(coords, self.hinges), np.nan)[self.beside]
+        back, rise = self._setbacks(angles)
+        found = incircles(coords[self.vertices[:, :4]], back)
+        short = (found.radii - self.room.radius) / self.step
+        gradients = np.zeros((*self.vertices.shape, 3))
+        gradients[:, :4] = found.gradients
+        turn = np.zeros((*self.beside.shape, 4, 3))
+        there = self.beside >= 0
+        turn[there] = hinge_gradients(coords, self.hinges)[self.beside[there]]
+        turn *= -(found.weights * rise)[:, :, None, None]
+        rows = np.arange(len(gradients))[:, None]
+        for k in range(4):  # the vertices of one hinge are distinct
+            gradients[rows, self.slots[:, k]] += turn[:, k]
+        near = short < 0
+        gradients *= near[:, None, None] / self.step
+        return Linear(np.where(near, short, 0.0), gradients, self)
+
+    def _setbacks(self, angles: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Setbacks at each residual's height, and their slopes, both of the shape of `angles`."""
+        rows = np.arange(len(angles))
+
+        def at(turned: FloatArray) -> FloatArray:
+            every = self.room.at(turned.ravel()).reshape(-1, *turned.shape)
+            out: FloatArray = every[self.height, rows]
+            return out
+
+        return at(angles), (at(angles + _APART) - at(angles - _APART)) / (2 * _APART)
