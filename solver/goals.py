@@ -23,6 +23,8 @@ __all__ = ["Bounds", "FaceMeasures", "Goals", "PanelRoom", "face_measures"]
 
 # Bounds count as met within rounding.
 _MET = 1e-9
+# Soft terms aim beyond bounds by this many times what is missed, and by this share of the bound.
+_FARTHER, _SAFE = 1.1, 0.005
 
 
 @dataclass(frozen=True)
@@ -63,20 +65,26 @@ class Bounds:
     most_fold: float = np.pi
     panels: PanelRoom | None = None
 
+    def measures(self, coords: FloatArray, faces_vertices: IntArray) -> FaceMeasures:
+        """What these bounds are of, of a sheet; see `face_measures`."""
+        return face_measures(coords, faces_vertices, self.panels)
+
+    def faces_fine(self, coords: FloatArray, faces_vertices: IntArray) -> BoolArray:
+        """`fine` of a sheet with vertices (nv, 3) and faces (nf, 4)."""
+        return self.fine(self.measures(coords, faces_vertices))
+
     def misses(self, reached: FaceMeasures) -> FloatArray:
         """By what share of its bound each of the five is missed, shape (5,); 0 where it is met.
 
         Folds count as shares of what is left of a half turn.
         """
-        room = np.inf if self.panels is None else self.panels.radius
+        straight = np.array([np.pi - reached.most_fold])
         lacks = [
-            _lack(reached.side, self.least_side),
-            _lack(reached.inradius, self.least_inradius),
-            _lack(reached.sector, self.least_sector),
-            _lack(np.array([np.pi - reached.most_fold]), np.pi - self.most_fold),
-            0.0
-            if self.panels is None
-            else max(0.0, 1 - float(reached.room.min(initial=np.inf)) / room),
+            _lack(self.least_side, reached.side),
+            _lack(self.least_inradius, reached.inradius),
+            _lack(self.least_sector, reached.sector),
+            _lack(np.pi - self.most_fold, straight),
+            0.0 if self.panels is None else _lack(self.panels.radius, reached.room),
         ]
         return np.array([0.0 if lack <= _MET else lack for lack in lacks])
 
@@ -91,17 +99,32 @@ class Bounds:
             out = out & (reached.room >= self.panels.radius * (1 - _MET))
         return np.asarray(out)
 
-    def tightened(self, reached: FaceMeasures) -> Bounds:
-        """Bounds beyond these by as much as they are missed."""
+    def beyond(self, reached: FaceMeasures, aim: Bounds, share: float = 1.0) -> Bounds:
+        """The next aim of soft terms, which end short of it: beyond these bounds and `aim`.
+
+        By a little more than what is missed. With share < 1 it is nearer to what is reached, by
+        that share of the way from there to these bounds.
+        """
+
+        def next_aim(least: float, values: FloatArray, before: float) -> float:
+            low = float(values.min(initial=np.inf))
+            if least <= low:
+                return max(least, before) if share == 1 else least
+            if share < 1:
+                return low + share * (least - low)
+            return max(least, before) + _FARTHER * (least - low) + _SAFE * least
+
         panels = self.panels
         if panels is not None:
-            short = max(0.0, panels.radius - float(reached.room.min(initial=np.inf)))
-            panels = replace(panels, radius=panels.radius + short)
+            before = 0.0 if aim.panels is None else aim.panels.radius
+            panels = replace(panels, radius=next_aim(panels.radius, reached.room, before))
+        straight = np.pi - reached.most_fold
+        fold = np.pi - next_aim(np.pi - self.most_fold, np.array([straight]), np.pi - aim.most_fold)
         return Bounds(
-            _beyond(self.least_side, reached.side),
-            _beyond(self.least_inradius, reached.inradius),
-            _beyond(self.least_sector, reached.sector),
-            self.most_fold - max(0.0, reached.most_fold - self.most_fold),
+            next_aim(self.least_side, reached.side, aim.least_side),
+            next_aim(self.least_inradius, reached.inradius, aim.least_inradius),
+            next_aim(self.least_sector, reached.sector, aim.least_sector),
+            max(fold, self.most_fold / 2),
             panels,
         )
 
@@ -191,11 +214,5 @@ def face_measures(
     return FaceMeasures(side, radius, sector, room, float(np.abs(angles).max(initial=0.0)))
 
 
-def _lack(reached: FloatArray, least: float) -> float:
-    if least <= 0:
-        return 0.0
-    return max(0.0, 1 - float(reached.min(initial=np.inf)) / least)
-
-
-def _beyond(least: float, reached: FloatArray) -> float:
-    return least + max(0.0, least - float(reached.min(initial=np.inf))) if least else 0.0
+def _lack(least: float, reached: FloatArray) -> float:
+    return max(0.0, 1 - float(reached.min(initial=np.inf)) / least) if least > 0 else 0.0

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from solver.errors import InvalidState, require_count, require_finite, require_within
+from solver.goals import Goals
 from solver.graphs import labels
 from solver.growth import Growth, Status
 from solver.mesh import QuadMesh
@@ -43,6 +44,7 @@ def relaxed_fit(
     row_step: float | None = None,
     turn: float | None = None,
     rigid: bool = False,
+    goals: Goals | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
     """Sheets relaxed onto a surface, as many as it needs, joined in one mesh.
@@ -55,6 +57,7 @@ def relaxed_fit(
         is not given is chosen.
     rigid : whether sheets fold rigidly, and flat; they are then as near to their offsets as that
         allows, and a surface that is not closed gets a single one.
+    goals : bounds that are wanted of the sheets; they come as near as they can.
     progress : called with the number of settings tried and about how many there are.
 
     A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`);
@@ -83,6 +86,7 @@ def relaxed_fit(
         pleats=list(dict.fromkeys(tried)),
         turns=TURNS if turn is None else (turn,),
         wishes=Wishes(rigid=rigid),
+        goals=goals,
         most_sheets=1 if rigid and mesh.kind is not MeshKind.SPHERE else MOST_SHEETS,
         progress=progress,
     )
@@ -123,7 +127,7 @@ def _told(found: SurfaceSheets, smoothing: dict[str, float], rigid: bool) -> Gro
     bad = [
         (number, sheet)
         for number, sheet in enumerate(sheets, 1)
-        if not (sheet.unfolds and not sheet.crossings if rigid else sheet.good)
+        if not (sheet.made if rigid else sheet.good)
     ]
     rows = sum(sheet.mesh.grid.shape[0] - 1 for sheet in sheets)
     deviations = np.concatenate([sheet.deviations for sheet in sheets])

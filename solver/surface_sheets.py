@@ -10,7 +10,8 @@
 Several shapes of cells and directions are tried; a sheet is good if it is exact, does not cross
 itself, covers its part and stays near its offsets. Of good ones the one with the largest least
 sector angle is taken: slim faces are hard to make. Of sheets that fold rigidly, which have no
-freedom left to follow a surface, it is the one nearest to its offsets.
+freedom left to follow a surface, it is the one nearest to its offsets. Where makers have goals
+(`solver.goals`), it is the one of those that miss them least.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count
+from solver.goals import Bounds, FaceMeasures, Goals
 from solver.measure import developability
 from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube, rim_planes
@@ -54,6 +56,14 @@ PLEATS = (
 TURNS = (np.pi / 2, 0.0, np.pi / 4)
 # Good sheets among which the best is taken.
 _CHOICES = 2
+# The same where none is within the goals.
+_MOST_CHOICES = 6
+# A sheet is relaxed towards its goals so often, at most, and no more where this share is still
+# missed of what was before.
+_GOAL_ROUNDS = 4
+_NO_NEARER = 0.8
+# A part of a surface with more than this share of its area is the whole of it.
+_WHOLE = 0.999
 # What a good sheet covers and how far at most it is off its offsets, in steps.
 _COVERED = 0.99
 _OFF = 0.15
@@ -78,6 +88,7 @@ class SurfaceSheet:
         (n,); positive on the side of its normals.
     coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
     least_sector : smallest sector angle, radians.
+    missed : by how much goals are missed, shares of their bounds summed up.
     step : unit of the cell. pleats, turn : what was chosen.
     """
 
@@ -93,6 +104,7 @@ class SurfaceSheet:
     step: float
     pleats: Pleats
     turn: float
+    missed: float = 0.0
 
     @property
     def good(self) -> bool:
@@ -121,6 +133,11 @@ class SurfaceSheet:
         return self.status is RelaxationStatus.RELAXED and self.exact
 
     @property
+    def made(self) -> bool:
+        """Whether it can be made, wherever it is."""
+        return self.unfolds and not self.crossings
+
+    @property
     def off(self) -> float:
         """How far at most a vertex is off its offset, in steps."""
         return float(np.abs(self.deviations).max(initial=0.0)) / self.step
@@ -146,6 +163,7 @@ def surface_sheets(
     pleats: Sequence[Pleats] = PLEATS,
     turns: Sequence[float] = TURNS,
     wishes: Wishes | None = None,
+    goals: Goals | None = None,
     most_sheets: int = MOST_SHEETS,
     progress: Callable[[int, int], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
@@ -157,7 +175,8 @@ def surface_sheets(
     columns : faces across the map of the surface along the lines of the sheet, or around a tube.
     pleats, turns : what is tried; turns are directions of the lines, radians from the longest
         extent of the map.
-    wishes : soft terms; None for the usual ones.
+    wishes : soft terms; None for the usual ones. goals : of makers: sheets are relaxed towards
+        them, and among good ones those that miss them least are preferred.
     most_sheets : 1 for one that is not halved, good or not.
     progress : called with the number of settings tried and about how many there are.
     interrupted : asked between rounds; once it is true the best so far is returned.
@@ -180,7 +199,9 @@ def surface_sheets(
             "columns", columns, f"be at most {_MOST_COLUMNS}", "More would take hours."
         )
     require_count("most_sheets", most_sheets, 1, "The surface needs one.")
-    search = _Search(tuple(pleats), tuple(turns), wishes or Wishes(), progress, interrupted)
+    search = _Search(
+        tuple(pleats), tuple(turns), wishes or Wishes(), goals, mesh, progress, interrupted
+    )
     sheets = tuple(search.sheets_of(mesh, columns, most_sheets))
     target = MeshTarget(mesh)
     reach = 2 * max(sheet.step * sheet.pleats.thickness for sheet in sheets)
@@ -195,6 +216,8 @@ class _Search:
     pleats: tuple[Pleats, ...]
     turns: tuple[float, ...]
     wishes: Wishes
+    goals: Goals | None
+    whole: SurfaceMesh
     progress: Callable[[int, int], None] | None
     interrupted: Callable[[], bool] | None
     tried: int = 0
@@ -236,30 +259,30 @@ class _Search:
         """The best sheet of this many columns, found with fewer first where these are many."""
         few = min(columns, _FIRST_COLUMNS)
         kinds = [kind for kind in (_tube, _patch) if kind is _patch or mesh.kind is MeshKind.RING]
-        ranked: list[tuple[float, float, SurfaceSheet, _Lay]] = []
+        ranked: list[tuple[float, float, float, SurfaceSheet, _Lay]] = []
         for lay in (_Lay.of(kind, mesh) for kind in kinds):
             if lay is None:
                 continue
             for pleats, turn in self._settings(lay):
-                sheet = self._tried(lay, few, pleats, turn)
+                sheet = self._tried(lay, few, pleats, turn, columns)
                 if sheet is not None:
                     worth = -sheet.off if self.wishes.rigid else sheet.least_sector
-                    ranked.append((sheet.faults, -worth, sheet, lay))
-                if self._stopped() or sum(r[0] == 0 for r in ranked) >= _CHOICES:
+                    ranked.append((sheet.faults, sheet.missed, -worth, sheet, lay))
+                if self._stopped() or _enough(ranked):
                     break
             if any(r[0] == 0 for r in ranked):
                 break
-        ranked.sort(key=lambda r: r[:2])
+        ranked.sort(key=lambda r: r[:3])
         if few == columns or not ranked:
-            return ranked[0][2] if ranked else None
-        best: SurfaceSheet | None = None
-        for _, _, coarse, lay in ranked[:3]:
-            sheet = self._tried(lay, columns, coarse.pleats, coarse.turn)
-            if sheet is not None and (best is None or sheet.faults < best.faults):
-                best = sheet
-            if best is not None and (best.good or self._stopped()):
+            return ranked[0][3] if ranked else None
+        found: list[SurfaceSheet] = []
+        for *_, coarse, lay in ranked[:3]:
+            sheet = self._tried(lay, columns, coarse.pleats, coarse.turn, columns)
+            if sheet is not None:
+                found.append(sheet)
+            if self._stopped() or any(one.good and not one.missed for one in found):
                 break
-        return best
+        return min(found, key=lambda one: (one.faults, one.missed), default=None)
 
     def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
         # around a tube small zigzags reach furthest
@@ -268,49 +291,133 @@ class _Search:
             for turn in self.turns if lay.turns else self.turns[:1]:
                 yield pleats, turn
 
-    def _tried(self, lay: _Lay, columns: int, pleats: Pleats, turn: float) -> SurfaceSheet | None:
+    def _tried(
+        self, lay: _Lay, columns: int, pleats: Pleats, turn: float, finest: int
+    ) -> SurfaceSheet | None:
+        """The sheet of a setting; None where there is none. finest : columns that are wanted."""
         self.tried += 1
         if self.progress is not None:
             total = len(self.pleats) * len(self.turns)
             self.progress(min(self.tried, total), total)
         try:
-            sheet = lay.sheet(columns, pleats, turn)
-            fine = (columns / _FIRST_COLUMNS) ** 2
-            wishes = replace(
-                self.wishes,
-                side=self.wishes.side / max(1.0, fine),
-                least=self.wishes.least * min(max(1.0, fine), 4.0),
-                fold=self.wishes.fold * min(max(1.0, fine), 4.0),
-            )
-            fit = relaxed_sheet(
-                lay.target,
-                sheet,
-                wishes,
-                rim=rim_planes(lay.target, sheet),
-                interrupted=self.interrupted,
-            )
+            laid = _Laid(lay, lay.sheet(columns, pleats, turn), pleats, turn, columns)
+            return self._near_goals(laid, finest / columns)
         except InvalidState:
             return None
-        mesh = fit.mesh if sheet.closed else trimmed(lay.target, fit.mesh)
-        thickness = sheet.cell.thickness
+
+    def _relaxed(
+        self,
+        laid: _Laid,
+        aim: Bounds,
+        start: FloatArray | None = None,
+        wanted: Bounds | None = None,
+    ) -> tuple[SurfaceSheet, FloatArray]:
+        """A sheet relaxed and trimmed, and all its vertices before it was trimmed.
+
+        aim : bounds of its soft terms; wanted : those that faces keep when they are trimmed.
+        """
+        target, sheet, pleats = laid.lay.target, laid.sheet, laid.pleats
+        fine = max(1.0, (laid.columns / _FIRST_COLUMNS) ** 2)
+        firm = min(fine, 4.0)
+        wishes = replace(
+            self.wishes,
+            bounds=aim,
+            side=self.wishes.side / fine,
+            least=self.wishes.least * firm,
+            fold=self.wishes.fold * firm,
+            bound=self.wishes.bound * firm,
+        )
+        fit = relaxed_sheet(
+            target,
+            sheet,
+            wishes,
+            rim=rim_planes(target, sheet),
+            start=start,
+            interrupted=self.interrupted,
+        )
+        mesh = fit.mesh
+        if not sheet.closed:
+            mesh = trimmed(target, mesh, None if wanted is None else wanted.faces_fine)
         held = [(mesh.vertices_coords, mesh.faces_vertices)]
-        return SurfaceSheet(
+        made = SurfaceSheet(
             mesh,
-            lay.target.mesh,
+            target.mesh,
             fit.relaxation.status,
             fit.relaxation.advice,
             fit.relaxation.rounds,
             fit.deviations * sheet.cell.step,
-            float(covered(lay.target, held, 2 * thickness).mean()),
+            float(covered(target, held, 2 * sheet.cell.thickness).mean()),
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
             _least_sector(mesh),
             sheet.cell.step / pleats.stretch,
             pleats,
-            turn,
+            laid.turn,
         )
+        return made, fit.relaxation.coords
+
+    def _near_goals(self, laid: _Laid, larger: float) -> SurfaceSheet:
+        """A sheet relaxed, and again towards its goals, aimed beyond them by what is missed.
+
+        larger : by how much lengths of the goals are larger, for a sheet of larger cells. Where a
+        sheet fails on its way, it is aimed half as far.
+        """
+        goals = self.goals
+        aim = Bounds() if goals is None else goals.angles()
+        best, at = self._relaxed(laid, aim)
+        if not best.good and aim != Bounds():
+            aim = Bounds()
+            best, at = self._relaxed(laid, aim)
+        if goals is None or not best.made:
+            return best
+        best, wanted, reached = self._judged(best, goals, larger)
+        share = 1.0
+        for _ in range(_GOAL_ROUNDS):
+            if not best.missed or self._stopped():
+                break
+            aim = wanted.beyond(reached, aim, share)
+            found, coords = self._relaxed(laid, aim, at, wanted)
+            found, nearer, measures = self._judged(found, goals, larger)
+            if (found.faults, found.missed) >= (best.faults, best.missed):
+                share /= 2
+            elif found.missed > _NO_NEARER * best.missed:
+                return found
+            else:
+                best, at, wanted, reached = found, coords, nearer, measures
+        return best
+
+    def _judged(
+        self, sheet: SurfaceSheet, goals: Goals, larger: float
+    ) -> tuple[SurfaceSheet, Bounds, FaceMeasures]:
+        """A sheet with what it misses of its goals, these in its units, and its measures."""
+        coords = folded = sheet.mesh.vertices_coords
+        if sheet.part.area <= _WHOLE * self.whole.area:
+            folded = np.concatenate([coords, self.whole.vertices_coords])
+        if not sheet.made:
+            measures = goals.bounds.measures(coords, sheet.mesh.faces_vertices)
+            return replace(sheet, missed=np.inf), goals.bounds, measures
+        wanted = goals.of(sheet.mesh, folded, larger)
+        measures = wanted.measures(coords, sheet.mesh.faces_vertices)
+        return replace(sheet, missed=float(wanted.misses(measures).sum())), wanted, measures
 
     def _stopped(self) -> bool:
         return self.interrupted is not None and self.interrupted()
+
+
+def _enough(ranked: Sequence[tuple[float, float, float, SurfaceSheet, _Lay]]) -> bool:
+    """Whether there are good sheets enough to choose from, within the goals or at all."""
+    missed = [of_goals for faults, of_goals, *_ in ranked if faults == 0]
+    return missed.count(0.0) >= _CHOICES or len(missed) >= _MOST_CHOICES
+
+
+@dataclass(frozen=True)
+class _Laid:
+    """A sheet laid on a map, with the setting that it was laid by."""
+
+    lay: _Lay
+    sheet: PleatedSheet
+    pleats: Pleats
+    turn: float
+    columns: int
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ Faces stay planar and sectors as they are: the sheet is as exact as before.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from solver.coverage import one_piece
@@ -31,6 +33,8 @@ _SHORTEST = 0.3
 _SHORTEST_DIAGONAL = 0.6
 # Halvings of the way along a crease: its end is found to 2^-20 of its length.
 _HALVINGS = 20
+# Steps in which a side gets its length back.
+_EASINGS = 8
 
 
 def shares_over(target: MeshTarget, coords: FloatArray, faces_vertices: IntArray) -> FloatArray:
@@ -41,12 +45,17 @@ def shares_over(target: MeshTarget, coords: FloatArray, faces_vertices: IntArray
     return np.asarray(_over(target, within.reshape(-1, 3)).reshape(len(within), -1).mean(axis=1))
 
 
-def trimmed(target: MeshTarget, mesh: QuadMesh) -> QuadMesh:
+def trimmed(
+    target: MeshTarget,
+    mesh: QuadMesh,
+    fine: Callable[[FloatArray, IntArray], BoolArray] | None = None,
+) -> QuadMesh:
     """The sheet without cells beyond the rim of its surface, its sides shortened to the rim.
 
     mesh : an open patch. Cells with less than a fifth over the surface are dropped, as long as no
     more than 0.3 % of the sheet is lost. Where a side would keep less than 0.3 of its length it is
-    left longer.
+    left longer. fine : of vertices and faces, whether each face may be so; where one is not fine
+    any more, its sides are left longer too.
     """
     share = shares_over(target, mesh.vertices_coords, mesh.faces_vertices)
     mesh = _without_slivers(mesh, share)
@@ -68,7 +77,28 @@ def trimmed(target: MeshTarget, mesh: QuadMesh) -> QuadMesh:
     _slide(target, coords, ends[sliding, 1], ends[sliding, 0], _SHORTEST)
     face, place = np.nonzero((count == 1)[faces] & ~paired[faces])
     _slide(target, coords, faces[face, (place + 2) % 4], faces[face, place], _SHORTEST_DIAGONAL)
+    if fine is not None:
+        coords = _eased(mesh.vertices_coords, coords, faces, fine)
     return QuadMesh(coords, faces, mesh.grid, mesh.closed)
+
+
+def _eased(
+    whole: FloatArray,
+    short: FloatArray,
+    faces: IntArray,
+    fine: Callable[[FloatArray, IntArray], BoolArray],
+) -> FloatArray:
+    """Vertices between `whole` and `short`, as short as faces that were fine remain so."""
+    share = np.ones((len(whole), 1))
+    hurt = fine(whole, faces)
+    for k in range(_EASINGS):
+        between = whole + share * (short - whole)
+        bad = faces[hurt & ~fine(between, faces)]
+        if not len(bad):
+            return between
+        share[bad] = share[bad] - 1 / _EASINGS if k < _EASINGS - 1 else 0.0
+        share = np.maximum(share, 0.0)
+    return whole + share * (short - whole)
 
 
 def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:

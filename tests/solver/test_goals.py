@@ -155,10 +155,18 @@ def test_misses_are_shares_of_bounds():
     over = Bounds(2 * side, 4 * radius, np.pi / 2, np.pi / 4, room(2 * space))
     np.testing.assert_allclose(over.misses(found), [0.5, 0.75, 1 / 3, 1 / 3, 0.5])
     assert not over.fine(found).any()
-    beyond = over.tightened(found)
-    assert beyond.least_side == pytest.approx(3 * side)
-    assert beyond.most_fold == pytest.approx(0.0)
-    assert beyond.panels.radius == pytest.approx(3 * space)
+    beyond = over.beyond(found, over)
+    assert beyond.least_side > 3 * side
+    assert beyond.least_sector > np.pi / 2 + np.pi / 6
+    assert np.pi / 8 <= beyond.most_fold < np.pi / 4
+    assert beyond.panels.radius > 3 * space
+    again = over.beyond(found, beyond)
+    assert again.least_side - beyond.least_side == pytest.approx(beyond.least_side - 2 * side)
+    assert met.beyond(found, beyond).least_side == beyond.least_side
+    halfway = over.beyond(found, beyond, 0.5)
+    assert halfway.least_side == pytest.approx(1.5 * side)
+    assert halfway.most_fold == pytest.approx(3 * np.pi / 8)
+    assert met.beyond(found, beyond, 0.5).least_side == side
     assert not Bounds().misses(found).any()
 
 

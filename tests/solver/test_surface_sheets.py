@@ -7,6 +7,7 @@ from surface_meshes import cap, grid, mesh_of, torus
 
 from solver import InvalidState, InvalidValue, QuadMesh, Status, developability, planarity
 from solver.designs import SurfaceFit
+from solver.goals import Bounds, Goals
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube
 from solver.relaxed_fit import joined, relaxed_fit, sampled
 from solver.self_intersection import crossing_faces
@@ -243,3 +244,42 @@ def test_a_noisy_surface_is_followed_smoothed_and_told_by_how_much():
     radius = np.linalg.norm(growth.mesh.vertices_coords, axis=1)
     off = np.abs(np.abs(radius - 1) - growth.chosen["step"] / 2) / growth.chosen["step"]
     assert np.median(off) < 0.05
+
+
+@pytest.mark.parametrize(
+    "bounds",
+    [
+        {"least_side": 0.85},
+        {"least_inradius": 0.36},
+        {"least_sector": np.radians(35)},
+        {"most_fold": np.radians(150)},
+    ],
+    ids=lambda bounds: next(iter(bounds)),
+)
+def test_a_sheet_comes_within_the_goals_of_its_maker(bounds):
+    """Lengths in steps of the sheet that is made without goals, and misses each of them."""
+    mesh = mesh_of(cap(np.pi / 3, 12, 36))
+    given = {"pleats": [Pleats()], "turns": [0.0], "most_sheets": 1}
+    (free,) = surface_sheets(mesh, 10, **given).sheets
+
+    def goals(step):
+        return Goals(Bounds(**bounds), unit=lambda sheet, folded: step)
+
+    (held,) = surface_sheets(mesh, 10, goals=goals(free.step), **given).sheets
+    require_made(held)
+    wanted = goals(free.step).of(held.mesh, held.mesh.vertices_coords)
+    for sheet, missed in ((free, True), (held, False)):
+        measures = wanted.measures(sheet.mesh.vertices_coords, sheet.mesh.faces_vertices)
+        assert wanted.misses(measures).any() == missed
+    assert held.missed == 0
+
+
+def test_goals_that_cannot_be_reached_are_missed_by_a_stated_share():
+    mesh = mesh_of(cap(np.pi / 3, 12, 36))
+    goals = Goals(Bounds(least_sector=np.radians(80)))
+    given = {"pleats": [Pleats()], "turns": [0.0], "most_sheets": 1}
+    (sheet,) = surface_sheets(mesh, 8, goals=goals, **given).sheets
+    require_made(sheet)
+    assert 0 < sheet.missed == pytest.approx(1 - sheet.least_sector / np.radians(80))
+    (free,) = surface_sheets(mesh, 8, **given).sheets
+    assert sheet.least_sector > free.least_sector
