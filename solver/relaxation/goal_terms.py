@@ -23,14 +23,16 @@ _APART = 1e-5
 class LeastSectors:
     """Sector angles less the least ones where that is negative, radians; else 0.
 
+    Sectors of corners that have gone through the opposite diagonal are negative.
+
     Attributes
     ----------
-    vertices : of each sector, shape (n, 3): its corner, and the ends of its sides counterclockwise.
+    vertices : of each sector, shape (n, 4): its corner and the others of its face counterclockwise.
     least : smallest angle, radians.
 
-    >>> sector = LeastSectors(np.array([[0, 1, 2]]), np.pi / 2)
-    >>> corner = np.array([[0.0, 0, 0], [2, 0, 0], [1, 1, 0]])
-    >>> float(np.degrees(sector.linearised(corner).values[0]).round(9))
+    >>> sector = LeastSectors(np.array([[0, 1, 2, 3]]), np.pi / 2)
+    >>> quad = np.array([[0.0, 0, 0], [2, 0, 0], [3, 1, 0], [1, 1, 0]])
+    >>> float(np.degrees(sector.linearised(quad).values[0]).round(9))
     -45.0
     """
 
@@ -40,24 +42,25 @@ class LeastSectors:
     @classmethod
     def of(cls, faces_vertices: IntArray, least: float) -> LeastSectors:
         """That of all corners of faces (nf, 4)."""
-        after, before = np.roll(faces_vertices, -1, axis=1), np.roll(faces_vertices, 1, axis=1)
-        return cls(np.stack([faces_vertices, after, before], axis=-1).reshape(-1, 3), least)
+        turned = [np.roll(faces_vertices, -k, axis=1) for k in range(4)]
+        return cls(np.stack(turned, axis=1).reshape(-1, 4), least)
 
     def linearised(self, coords: FloatArray) -> Linear:
         """Residuals and gradients, see `Term`."""
-        corner, after, before = (coords[self.vertices[:, k]] for k in range(3))
+        corner, after, opposite, before = (coords[self.vertices[:, k]] for k in range(4))
         a, b = after - corner, before - corner
         normal = cross(a, b)
         height = norm(normal)
-        short = np.arctan2(height, dot(a, b)) - self.least
-        near = short < 0
+        sign = np.where(dot(normal, cross(opposite - corner, b - a)) < 0, -1.0, 1.0)
+        angle = np.arctan2(sign * height, dot(a, b))
+        angle = np.where(angle < -np.pi / 2, angle + 2 * np.pi, angle)
+        near = angle < self.least
         with np.errstate(invalid="ignore", divide="ignore"):
-            normal = np.where(near[:, None], normal / height[:, None], 0.0)
+            normal = np.where(near[:, None], (sign / height)[:, None] * normal, 0.0)
         by_a = -cross(normal, a) / dot(a, a)[:, None]
         by_b = cross(normal, b) / dot(b, b)[:, None]
-        return Linear(
-            np.where(near, short, 0.0), np.stack([-by_a - by_b, by_a, by_b], axis=1), self
-        )
+        slopes = np.stack([-by_a - by_b, by_a, np.zeros_like(by_a), by_b], axis=1)
+        return Linear(np.where(near, angle - self.least, 0.0), slopes, self)
 
 
 @dataclass(frozen=True)

@@ -120,6 +120,17 @@ def test_gradients_of_the_terms_are_differences(made):
             np.testing.assert_allclose(change[smooth], slope[smooth], atol=1e-4 / size, rtol=1e-4)
 
 
+def test_sectors_are_negative_where_sides_cross_and_reflex_behind_a_diagonal():
+    beyond, angles = np.linspace(-1.0, 0.4, 8), []
+    for x in beyond:
+        quad = np.array([[x, 0, 0], [0, -1, 0], [2, 0.0, 0], [0, 1, 0]])
+        angles.append(LeastSectors(np.array([[0, 1, 2, 3]]), 4.0).linearised(quad).values[0] + 4.0)
+    np.testing.assert_allclose(angles, 2 * np.arctan2(1, -beyond))
+    bow = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1.5, 0]])
+    values = LeastSectors.of(np.array([[0, 1, 2, 3]]), 0.3).linearised(bow).values + 0.3
+    assert (values < 0).sum() == 2
+
+
 def test_measures_are_those_of_a_miura_sheet():
     mesh = Miura(columns=4, rows=3, sector_angle=np.pi / 3, fold=np.pi / 4).grow().mesh
     coords, faces = mesh.vertices_coords, mesh.faces_vertices
