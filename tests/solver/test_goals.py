@@ -126,7 +126,7 @@ def test_sectors_are_negative_where_sides_cross_and_reflex_behind_a_diagonal():
         quad = np.array([[x, 0, 0], [0, -1, 0], [2, 0.0, 0], [0, 1, 0]])
         angles.append(LeastSectors(np.array([[0, 1, 2, 3]]), 4.0).linearised(quad).values[0] + 4.0)
     np.testing.assert_allclose(angles, 2 * np.arctan2(1, -beyond))
-    bow = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [2, 1.5, 0]])
+    bow = np.array([[0.0, 0, 0], [2, 0, 0], [0, 1, 0], [2.5, 1.5, 0]])
     values = LeastSectors.of(np.array([[0, 1, 2, 3]]), 0.3).linearised(bow).values + 0.3
     assert (values < 0).sum() == 2
 
