@@ -96,21 +96,25 @@ def faces_strip(mesh: QuadMesh) -> IntArray:
     """The step of growth that made each face, counted from 0 without gaps, shape (nf,).
 
     All faces whose last vertex is of the same row of the grid are one step, such as those of a
-    strip; of a sheet of a single strip each face is one.
+    strip. In a sheet of a single strip, or one that grew at other sides than its top and bottom or
+    around a corner, each face is a step. Faces in the order of `QuadMesh.polygons`.
 
     >>> from solver.designs import Miura
     >>> faces_strip(Miura(columns=2, rows=3).grow().mesh).tolist()
     [0, 0, 1, 1, 2, 2]
     """
     grid = mesh.grid
-    if len(grid) <= 2:
-        return np.arange(len(mesh.faces_vertices))
+    corners, offsets = mesh.polygons
+    last = np.maximum.reduceat(corners, offsets[:-1])
+    rows = [line[line >= 0] for line in grid]
     row_of = np.full(len(mesh.vertices_coords), -1)
-    held = grid >= 0
-    row_of[grid[held]] = np.nonzero(held)[0]
-    last = mesh.faces_vertices.max(axis=1)
-    rows = row_of[last]
-    # a row counts from its first vertex on: of two rows the one with the lower numbers is older
-    first = np.array([line[line >= 0].min(initial=len(row_of)) for line in grid])
-    out: IntArray = np.unique(first[rows], return_inverse=True)[1]
+    for number, line in enumerate(rows):
+        row_of[line] = number
+    in_one_go = all(np.ptp(line) == len(line) - 1 for line in rows if len(line))
+    if len(grid) <= 2 or not in_one_go or row_of.min() < 0:
+        by_last: IntArray = np.unique(last, return_inverse=True)[1]
+        return by_last
+    # of two rows the one with the lower numbers is older
+    first = np.array([line.min(initial=len(row_of)) for line in rows])
+    out: IntArray = np.unique(first[row_of[last]], return_inverse=True)[1]
     return out

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import click
 
+from fab.cli.figures import figure
 from fab.cli.folding import simulate
 from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
@@ -23,5 +24,8 @@ def main() -> None:
     """Quad origami, from a job file to files for laser cutters, 3D printers and simulators."""
 
 
-for command in (run, fabricate, thicken, simulate, coupon, shipped, templates, new, check, convert):
+for command in (
+    *(run, fabricate, thicken, simulate, coupon, shipped, templates, new, check, convert),
+    figure,
+):
     main.add_command(command)

@@ -349,7 +349,7 @@ def test_what_the_terminal_cannot_show_is_escaped(here):
 
 def test_python_of_the_readme_runs(here):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     done = subprocess.run(
         [sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=True
     )
@@ -364,6 +364,8 @@ def test_python_of_the_readme_runs(here):
     subprocess.run([sys.executable, "-c", blocks[2]], capture_output=True, text=True, check=True)
     folded = Path("folded.step").read_text()
     assert folded.count("MANIFOLD_SOLID_BREP(") == 80
+    subprocess.run([sys.executable, "-c", blocks[3]], capture_output=True, text=True, check=True)
+    assert Path("landscapes.svg").read_text().count("<svg") == 1
 
 
 def test_the_laser_part_of_the_readme_does_what_it_says(here):

@@ -1,0 +1,90 @@
+"""A sheet as figures show it: folded in space, flat with its creases, and the order it grew in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fab.pattern.crease_pattern import CreasePattern, crease_pattern
+from fab.pattern.development import develop
+from fab.viewing.figures.canvas import INK
+from fab.viewing.figures.forms import camera, draw_sheet, framed, principal_view
+from solver.growth_order import faces_strip
+from solver.mesh import QuadMesh
+from solver.polygons import face_normals
+from solver.vectors import BoolArray, FloatArray, IntArray
+
+__all__ = ["ShownSheet", "draw_flat", "draw_folded", "shown_sheet"]
+
+_VIEW = camera(38, -62)
+_UPRIGHT = camera(42, -58)
+
+
+@dataclass(frozen=True)
+class ShownSheet:
+    """A sheet with what its pictures need.
+
+    Attributes
+    ----------
+    name : in titles.
+    pattern : in design units; closed sheets are cut open.
+    steps : the step of growth that made each face, shape (nf,).
+    view : the camera, shape (3, 3).
+    """
+
+    name: str
+    pattern: CreasePattern
+    steps: IntArray
+    view: FloatArray
+
+    @property
+    def folded_coords(self) -> FloatArray:
+        """Vertices of the folded form, shape (nv, 3)."""
+        assert self.pattern.folded_coords is not None  # `shown_sheet` gives one
+        return self.pattern.folded_coords
+
+
+def shown_sheet(mesh: QuadMesh, name: str, *, upright: bool = False) -> ShownSheet:
+    """A grown sheet, ready to be drawn.
+
+    upright : whether z is upwards; else its longest directions lie flat. Raises as `develop`.
+    """
+    steps = faces_strip(mesh)
+    opened = mesh.cut_open()
+    pattern = crease_pattern(opened, develop(opened), 1.0)
+    view = _UPRIGHT
+    if not upright:
+        normals = face_normals(mesh.vertices_coords, *mesh.polygons)
+        view = principal_view(mesh.vertices_coords, _VIEW, normals.sum(axis=0))
+    return ShownSheet(name, pattern, steps, view)
+
+
+def draw_folded(axes: Any, sheet: ShownSheet, shown: BoolArray | None = None) -> None:
+    """The folded form, in a frame that holds all of it; `shown` : faces that are drawn, (nf,)."""
+    polygons = sheet.pattern.faces_vertices, sheet.pattern.faces_offsets
+    draw_sheet(axes, sheet.view, sheet.folded_coords, polygons, shown)
+    framed(axes, sheet.view, sheet.folded_coords)
+
+
+def draw_flat(axes: Any, sheet: ShownSheet, shown: BoolArray | None = None) -> None:
+    """The crease pattern: mountains red, valleys blue, in a frame that holds all of it."""
+    from matplotlib.collections import LineCollection
+
+    pattern = sheet.pattern
+    first, second = pattern.edges_faces.T
+    drawn = np.ones(pattern.face_count, bool) if shown is None else shown
+    beside = np.stack([drawn[first], (second >= 0) & drawn[second]])
+    width = float(np.clip(30 / np.sqrt(len(pattern.edges_vertices)), 0.15, 1.2))
+    for letter in "FMVB":
+        own = pattern.edges_assignment == letter
+        creases = own & beside.all(axis=0)
+        rim = beside.any(axis=0) & ~beside.all(axis=0) & (own | (letter == "B"))
+        for edges, ink in ((creases, INK[letter]), (rim, INK["B"])):
+            lines = pattern.vertices_coords[pattern.edges_vertices[edges]]
+            axes.add_collection(LineCollection(lines, colors=ink, linewidths=width))
+    low, high = pattern.vertices_coords.min(axis=0), pattern.vertices_coords.max(axis=0)
+    space = 0.03 * float((high - low).max())
+    axes.set_xlim(low[0] - space, high[0] + space)
+    axes.set_ylim(low[1] - space, high[1] + space)
