@@ -1,6 +1,6 @@
 """Folding: simulation of a crease pattern from flat to its target, and the verdict on it.
 
-- `animation` draws a simulation, coloured by `strain`.
+- `strain` is that of faces: `fab.viewing` colours them by it.
 - `simulation` folds a pattern and judges it: `fold_and_judge`, with `FoldSettings`.
 - `bar_hinge_model` is the mechanical model, a `Framework` of bars and hinges; `quasi_static` folds
   it from rest to rest (`fold`, a `Folding`), `dynamics` by masses that move.

@@ -21,6 +21,7 @@ from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
 from fab.progress import Progress, silent
+from fab.viewing.scene_builders import folding_scene
 
 __all__ = ["SimulationFormat", "simulate"]
 
@@ -44,6 +45,7 @@ def simulate(
     progress: Progress = silent,
     tolerance_deg: float | None = None,
     fold_flat: bool = False,
+    upright: bool = False,
 ) -> Made:
     """Fold a pattern from flat, and make files of it: NAME_folding.fold, .png, .gif and .json.
 
@@ -60,6 +62,7 @@ def simulate(
         alone, with an error.
     fold_flat : whether it goes on beyond the target until the sheet is folded flat, as far as no
         faces pass through each other; of that solver alone.
+    upright : whether z is up in the folded form of the pattern, and in pictures.
     tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
         left out, and in proportion for shape and strain.
     progress : called with (stage, steps done, steps in the stage).
@@ -100,14 +103,15 @@ def simulate(
         folded = None if form is None else form * size
         files[f"{stem}.fold"] = fold_bytes(replace(sheet, folded_coords=folded), name, states)
     if SimulationFormat.PNG in formats:
-        from fab.folding.animation import strain_png_bytes
+        from fab.viewing.folding_picture import states_png_bytes
 
         progress("draw", 0, 1)
-        files[f"{stem}.png"] = strain_png_bytes(shown, name)
+        files[f"{stem}.png"] = states_png_bytes(folding_scene(shown, name, upright=upright))
     if SimulationFormat.GIF in formats:
-        from fab.folding.animation import gif_bytes
+        from fab.viewing.folding_picture import folding_gif_bytes
 
-        files[f"{stem}.gif"] = gif_bytes(shown, name, partial(progress, "draw"))
+        scene = folding_scene(shown, name, upright=upright)
+        files[f"{stem}.gif"] = folding_gif_bytes(scene, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
     every = [*findings, *([] if differs else inspect_angles(sheet)), *found]
     report |= {"verdict": verdict.report(), "rigid": rigid}

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +16,20 @@ from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
 from fab.progress import Clock, Progress, silent
 from solver import Growth, InvalidValue, QuadMesh, Status
+from solver.designs.surface_fit import SURFACES
+from solver.targets.base import Target
+from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import IntArray
 
-__all__ = ["Grown", "grown", "grown_pattern", "growth_findings", "overlap_findings", "unfolded"]
+__all__ = [
+    "Grown",
+    "grown",
+    "grown_pattern",
+    "growth_findings",
+    "overlap_findings",
+    "target_of",
+    "unfolded",
+]
 
 # A sheet that covers less of its surface gets a finding.
 _COVERED = 0.95
@@ -34,13 +47,17 @@ def grown_pattern(
 
 @dataclass(frozen=True)
 class Grown:
-    """The growth of a job, what `unfolded` makes of its mesh, and findings of files it reads."""
+    """The growth of a job, what `unfolded` makes of its mesh, and findings of files it reads.
+
+    target : the surface that it follows, in the units of the mesh.
+    """
 
     growth: Growth
     mesh: QuadMesh
     pattern: CreasePattern
     overlaps: IntArray
     findings: tuple[Finding, ...]
+    target: Target | SurfaceMesh | None
 
 
 def grown(job: Job, clock: Clock) -> Grown:
@@ -51,7 +68,19 @@ def grown(job: Job, clock: Clock) -> Grown:
         if not isinstance(growth, Growth):
             raise InvalidJob(f"design: `grow` must return a Growth, not {type(growth).__name__}.")
     with clock.stage("develop"), _named(job):
-        return Grown(growth, *unfolded(growth.mesh, job.sheet), findings)
+        return Grown(growth, *unfolded(growth.mesh, job.sheet), findings, target_of(design))
+
+
+def target_of(design: Any) -> Target | SurfaceMesh | None:
+    """The surface that a design follows: the value of its field that is a target, if it has one."""
+    for field in dataclasses.fields(design):
+        if field.metadata.get("target"):
+            value = getattr(design, field.name)
+            found: Target | SurfaceMesh | None = (
+                SURFACES.get(value) if isinstance(value, str) else value
+            )
+            return found
+    return None
 
 
 def unfolded(mesh: QuadMesh, size: SheetSize) -> tuple[QuadMesh, CreasePattern, IntArray]:

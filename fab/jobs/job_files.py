@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +33,12 @@ from fab.sheets.perforation import perforate
 from solver import Growth, QuadMesh
 from solver.graphs import labels
 from solver.self_intersection import crossing_faces
+from solver.targets.base import Target
+from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from fab.viewing.scene import Scene
 
 __all__ = ["Format", "Sheet", "from_mesh", "make"]
 
@@ -66,6 +71,7 @@ class Sheet:
     overlaps : pairs of faces that overlap when flat, shape (n, 2).
     growth : how the mesh was grown; None for a mesh of another origin.
     findings : of files that were read for it.
+    target : the surface that it follows, in the units of the mesh.
     """
 
     mesh: QuadMesh
@@ -74,6 +80,27 @@ class Sheet:
     overlaps: IntArray
     growth: Growth | None = None
     findings: tuple[Finding, ...] = ()
+    target: Target | SurfaceMesh | None = None
+
+    @property
+    def upright(self) -> bool:
+        """Whether z is up: of sheets that follow a surface."""
+        return self.target is not None
+
+    def scene(self) -> Scene:
+        """What pictures show of it: flat and folded, over the surface that it follows."""
+        from fab.viewing.scene_builders import over_surface, pattern_scene
+
+        scene = pattern_scene(self.pattern, self.settings.name, upright=self.upright)
+        if self.target is None:
+            return scene
+        from solver.relaxed_fit import sampled
+
+        surface = self.target if isinstance(self.target, SurfaceMesh) else sampled(self.target)
+        factor = _mm_per_unit(self)
+        return over_surface(
+            scene, SurfaceMesh(surface.vertices_coords * factor, surface.faces_vertices)
+        )
 
     def make(self, formats: Iterable[str] | None = None, progress: Progress = silent) -> Made:
         """The sheet in each of `formats` as bytes, with the report of `make`.
@@ -110,7 +137,15 @@ def make(job: Job, formats: Iterable[str] | None = None, progress: Progress = si
     """
     clock = Clock(progress)
     found = grown(job, clock)
-    sheet = Sheet(found.mesh, found.pattern, job, found.overlaps, found.growth, found.findings)
+    sheet = Sheet(
+        found.mesh,
+        found.pattern,
+        job,
+        found.overlaps,
+        found.growth,
+        found.findings,
+        found.target,
+    )
     return _made(sheet, formats, clock)
 
 
@@ -310,6 +345,7 @@ def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
         {kind for kind in ThickFormat if kind.value in set(wanted)},
         clock,
         print_with,
+        upright=sheet.upright,
     )
     solids: dict[str, Any] | None = None
     if made.figures is not None and made.print_mm is not None:
@@ -338,12 +374,11 @@ def _simulation(sheet: Sheet, clock: Clock) -> _Part:
 def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     if Format.PNG not in wanted:
         return _Part()
-    from fab.pattern.picture import png_bytes
+    from fab.viewing.sheet_picture import sheet_png_bytes
 
     name = sheet.settings.name
-    relaxed = sheet.growth is not None and sheet.growth.deviations is not None
-    with clock.stage("png"):  # surfaces that sheets are relaxed onto have an upper side
-        return _Part({f"{name}.png": png_bytes(sheet.pattern, name, upright=relaxed)})
+    with clock.stage("png"):
+        return _Part({f"{name}.png": sheet_png_bytes(sheet.scene())})
 
 
 def _number(value: float) -> float | None:

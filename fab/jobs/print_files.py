@@ -78,13 +78,13 @@ class _Checked:
     Attributes
     ----------
     joined : the surface of all its bodies. figures : as in `ThickFiles`.
-    reached : the folded state up to which it was checked; None where that is the flat one.
+    states : those in which it was checked, the flat one first.
     """
 
     sheet: ThickSheet
     joined: TriangleMesh
     figures: dict[str, Any]
-    reached: FoldedState | None
+    states: tuple[FoldedState, ...]
 
 
 def thick_files(
@@ -94,10 +94,13 @@ def thick_files(
     formats: Collection[ThickFormat],
     clock: Clock,
     print_with: PrintWith,
+    *,
+    upright: bool = False,
 ) -> ThickFiles:
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
-    name : what files and pictures call it; settings : `printed` with `print_with`.
+    name : what files and pictures call it; settings : `printed` with `print_with`. upright :
+    whether z is up in the folded form of the pattern, and in pictures.
 
     Raises `InvalidJob` for sheets so large that single precision does not resolve the thickness of
     their panels.
@@ -122,7 +125,7 @@ def thick_files(
             plates, found = make_plates(sheet, print_with.printer.bed_mm, settings.plates, step)
         findings = [finding for finding in findings if finding.code != "print-too-large"]
         findings += [_divided(plates), *found]
-    data, found = _files(checked, plates, name, formats, clock)
+    data, found = _files(checked, plates, name, formats, clock, upright=upright)
     return ThickFiles(
         data,
         None if plates is None else plates.guide(),
@@ -183,8 +186,7 @@ def _checked(
         **dataclasses.asdict(measured.clearance),
     }
     reached = len(measured.clearance.states)  # as far as the panels are made for
-    last = states[reached - 1] if reached > 1 else None
-    return _Checked(sheet, joined, figures, last), findings
+    return _Checked(sheet, joined, figures, tuple(states[: max(1, reached)])), findings
 
 
 def _require_resolved(sheet: ThickSheet) -> None:
@@ -207,6 +209,8 @@ def _files(
     name: str,
     formats: Collection[ThickFormat],
     clock: Clock,
+    *,
+    upright: bool,
 ) -> tuple[dict[str, bytes], list[Finding]]:
     """The files of a sheet, in one or on plates, by what follows the name; findings about them."""
     from fab.panels.step import step_bytes
@@ -222,9 +226,11 @@ def _files(
         return {end: threemf_bytes(each, name) for end, each in prints.items()}
 
     def picture() -> dict[str, bytes]:
-        from fab.printing.thick_picture import thick_png_bytes
+        from fab.viewing.scene_builders import thick_scene
+        from fab.viewing.thick_picture import thick_png_bytes
 
-        return {".png": thick_png_bytes(checked.sheet, name, checked.reached)}
+        scene = thick_scene(sheet, checked.states, name, upright=upright)
+        return {".png": thick_png_bytes(scene, plates)}
 
     writers: dict[ThickFormat, tuple[str, Callable[[], dict[str, bytes]]]] = {
         ThickFormat.STEP: ("step", lambda: {".step": step_bytes(sheet, name)}),

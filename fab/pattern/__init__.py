@@ -7,5 +7,4 @@ Of a pattern: `outlines` (what is cut through), `open_cuts` (the sheet with its 
 `flat_foldability` (letters that fold a vertex flat), `forced_letters` (those that follow).
 Of its fold: `kinematics` and `face_tree` (rigid faces turned by the fold angles), `face_poses`,
 `inspection` (exactness, as findings).
-`picture` draws both as a PNG.
 """

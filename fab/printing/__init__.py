@@ -4,7 +4,7 @@
 - `printability`: what a printer cannot print, and the figures of a print
 - `plates`: sheets larger than the bed, with `dovetails` (joints of their parts), `joint_plans` (the
   outlines of joints) and `jointed_sheet` (bodies that are cut by them)
-- `stl`, `threemf`, `thick_picture`: one module for each kind of file
+- `stl`, `threemf`: one module for each kind of file
 
 `fab.jobs.print_files` makes all of these files, and their report.
 """

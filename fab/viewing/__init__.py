@@ -5,4 +5,10 @@
   `thick_scene` of panels and hinges; `over_surface` adds the surface that a sheet follows.
 - `figures` are those about the method: what a flap angle decides, how sheets grow and fold.
 - `scales` are the scales of colours, the same for every sheet.
+
+Pictures of a scene: `sheet_picture` (folded form and crease pattern), `folding_picture` (its
+states, also as a movie), `thick_picture` (bodies and plates), `reading_picture` (what was read from
+a file). They are drawn by `drawing` in boxes of a `canvas`, seen by a `camera` as `view_choice`
+says, from triangles (`shapes`, `face_triangles`) that are lit by `painting`, hidden by `raster`.
+`movie_files` makes GIF and MP4 files of pictures.
 """

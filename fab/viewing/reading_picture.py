@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import io
 import textwrap
-import warnings
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from fab.errors import Finding, counted
 from fab.formats.pattern_file import PatternFile
 from fab.formats.strictness import is_repair
-from fab.outputs import plain_title
 from fab.pattern.crease_pattern import CreasePattern
+from fab.viewing.canvas import Box, Canvas
+from fab.viewing.drawing import FlatPlace, divided, draw_form, draw_pattern, size_text
+from fab.viewing.scene import Scene
+from fab.viewing.scene_builders import pattern_scene
+from fab.viewing.shapes import sheet_shapes, sheet_triangles
+from fab.viewing.view_choice import best_view
 from solver.vectors import FloatArray
 
 __all__ = ["reading_png_bytes"]
@@ -30,100 +32,82 @@ _LETTERS = {
     "B": ("#202020", "border", "borders"),
 }
 _REPAIR, _FACT = "#e07000", "#606060"
-_INCHES = (16.0, 9.0)
-_DPI = 100
-# Share of the width that is for text, and what it holds.
-_TEXT = 0.36
-_LINE_LETTERS = 80
+_WIDTH, _HEIGHT = 1600, 900
+# Pixels from the left at which text begins, what a line of it holds, and how far lines are apart.
+_TEXT, _LINE_LETTERS, _STEP = 1024, 80, 21.0
 _MOST_LINES = 34
-_STEP = 0.0235
+_RING_PIXELS = 6.0
+# The pattern is what was read: it is larger than its folded form.
+_FORM_SHARES = (0.36,)
 
 
 def reading_png_bytes(read: PatternFile, title: str) -> bytes:
-    """The picture, 1600 x 900 pixels: the pattern, the upper side seen; beside it counts and
-    lengths by letter, size, unit, and the findings, numbered as they are marked in the pattern.
+    """The picture, 1600 x 900 pixels: the pattern, the upper side seen, and its folded form where
+    that is known; beside them counts and lengths by letter, size, unit, and the findings, numbered
+    as they are marked in the pattern.
 
     Repairs and assumptions are orange, facts grey.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_INCHES, dpi=_DPI)
-    FigureCanvasAgg(figure)
-    plane: Any = figure.add_axes((0.045, 0.07, 1 - _TEXT - 0.075, 0.86))
-    _draw_pattern(plane, read.pattern)
-    _draw_marks(plane, read)
-    plane.set_aspect("equal")
-    plane.margins(0.04)
-    plane.autoscale_view()
-    plane.set_xlabel("mm")
-    _write_text(figure, read, title)
-    stream = io.BytesIO()
-    with warnings.catch_warnings():  # letters that the font has not are boxes
-        warnings.filterwarnings("ignore", message="Glyph")
-        figure.savefig(stream, format="png", metadata={"Software": "quadfold"})
-    return stream.getvalue()
+    canvas = Canvas(_WIDTH, _HEIGHT)
+    scene = pattern_scene(read.pattern, title)
+    flat = _draw_form(canvas, Box(0, 0, _TEXT - 16, _HEIGHT), scene)
+    ink = {letter: colour for letter, (colour, _, _) in _LETTERS.items()}
+    size = size_text("flat", read.pattern.vertices_coords)
+    _draw_marks(canvas, read, draw_pattern(canvas, flat, read.pattern, "", size, ink))
+    _write_text(canvas, read, title)
+    return canvas.png_bytes()
 
 
-def _draw_pattern(plane: Any, pattern: CreasePattern) -> None:
-    from matplotlib.collections import LineCollection
+def _draw_form(canvas: Canvas, whole: Box, scene: Scene) -> Box:
+    """Draw the folded form, where it is known; the box that is left for the pattern."""
+    folded = scene.folded_coords
+    if folded is None:
+        return whole
+    triangles = sheet_triangles(scene.pattern)
+    shapes = sheet_shapes(folded, triangles)
+    axes = best_view([shapes.corners], triangles.faces, upright=False)
+    seen, coords = folded @ axes[:2].T, scene.pattern.vertices_coords
+    (form,), flat = divided(whole, 1, seen, coords, _FORM_SHARES)
+    draw_form(canvas, form, [shapes], "", size_text("folded", folded), axes=axes)
+    return flat
 
-    width = min(1.6, 60 / np.sqrt(len(pattern.edges_vertices)))
-    for letter, (colour, _, _) in _LETTERS.items():
-        chosen = pattern.edges_assignment == letter
-        lines = pattern.vertices_coords[pattern.edges_vertices[chosen]]
-        plane.add_collection(LineCollection(lines, colors=colour, linewidths=width))
 
-
-def _draw_marks(plane: Any, read: PatternFile) -> None:
+def _draw_marks(canvas: Canvas, read: PatternFile, place: FlatPlace) -> None:
     """A ring at each place of a finding, and its number at the first of them."""
+    turn = np.linspace(0, 2 * np.pi, 25)
+    ring = _RING_PIXELS * np.column_stack([np.cos(turn), np.sin(turn)])
+    sides = np.stack([ring[:-1], ring[1:]], axis=1)
     for number, finding in enumerate(read.findings, 1):
         if not finding.places:
             continue
-        places = np.array(finding.places) - read.origin
+        at = place.pixels(np.array(finding.places) - read.origin)
         colour = _colour(finding)
-        plane.scatter(*places.T, s=90, facecolors="none", edgecolors=colour, zorder=5)
-        plane.annotate(
-            str(number),
-            places[0],
-            xytext=(7, 7),
-            textcoords="offset points",
-            color=colour,
-            weight="bold",
-            zorder=6,
-        )
+        canvas.lines((at[:, None, None] + sides).reshape(-1, 2, 2), colour, 1.0)
+        x, y = (at[0] + [10, -12]).tolist()
+        canvas.text(str(number), x, y, colour=colour, weight="bold", size=10)
 
 
 def _colour(finding: Finding) -> str:
     return _REPAIR if is_repair(finding) else _FACT
 
 
-def _write_text(figure: Any, read: PatternFile, title: str) -> None:
-    left, height = 1 - _TEXT, 0.95
+def _write_text(canvas: Canvas, read: PatternFile, title: str) -> None:
+    top = 45.0
 
     def write(text: str, colour: str = "black", size: float = 10.0, weight: str = "normal") -> None:
-        nonlocal height
-        figure.text(
-            left,
-            height,
-            plain_title(text),
-            color=colour,
-            size=size,
-            weight=weight,
-            va="top",
-            parse_math=False,
-        )
-        height -= _STEP * size / 10
+        nonlocal top
+        canvas.text(text, _TEXT, top, colour=colour, size=size, weight=weight)
+        top += _STEP * size / 10
 
     write(_short(title), size=14, weight="bold")
     width, depth = np.ptp(read.pattern.vertices_coords, axis=0)
     unit = f"1 unit of the file is {read.mm_per_unit:.6g} mm"
     write(f"{width:.6g} x {depth:.6g} mm, {unit}")
     write(counted(read.pattern.face_count, "face"))
-    height -= _STEP / 2
+    top += _STEP / 2
     for letter, text in _legend(read.pattern):
         write(f"\u2501\u2501  {letter}  {text}", _LETTERS[letter][0], 11.0)
-    height -= _STEP / 2
+    top += _STEP / 2
     for text, colour in _listed(read.findings):
         write(text, colour, 9.0)
 

@@ -44,12 +44,15 @@ class Values:
 
 @dataclass(frozen=True)
 class Surface:
-    """The surface that a sheet follows: vertices (n, 3) in mm, triangles (m, 3), in the pose of the
-    sheet's last state.
+    """The surface that a sheet follows, in the pose of the sheet's last state.
+
+    vertices_coords : shape (n, 3), mm. triangles : shape (m, 3). farthest_mm : the largest distance
+    of a vertex of the sheet from it.
     """
 
     vertices_coords: FloatArray
     triangles: IntArray
+    farthest_mm: float
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from fab.errors import Finding
 from fab.folding.folded_states import FoldedState
 from fab.folding.quasi_static import Folding, aligned
 from fab.folding.strain import faces_strain
+from fab.geometry.boxes import smallest_box
 from fab.panels.body_colours import body_colours
 from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.crease_pattern import CreasePattern
@@ -23,6 +24,9 @@ from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["folding_scene", "laid_flat", "over_surface", "pattern_scene", "thick_scene"]
+
+# Sides of a box that differ by a smaller share are equal.
+_SQUARE = 1e-6
 
 
 def pattern_scene(
@@ -145,19 +149,23 @@ def over_surface(scene: Scene, surface: SurfaceMesh) -> Scene:
     middles = np.add.reduceat(folded[pattern.faces_vertices], pattern.faces_offsets[:-1])
     middles /= np.diff(pattern.faces_offsets)[:, None]
     target = MeshTarget(surface)
-    distances, _, _ = target.distance(middles, target.unknown(len(middles)))
+    points = np.concatenate([middles, folded])
+    every, _, _ = target.distance(points, target.unknown(len(points)))
+    distances, farthest = every[: len(middles)], float(np.abs(every[len(middles) :]).max())
     return replace(
         scene,
-        surface=Surface(surface.vertices_coords, surface.faces_vertices),
+        surface=Surface(surface.vertices_coords, surface.faces_vertices, farthest),
         values=Values(distances[None], distance_scale(distances)),
     )
 
 
 def laid_flat(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The motion x -> turn x + shift that lays a form on its longest directions, upper side up.
+    """The motion x -> turn x + shift that lays a form flat, upper side up, its length along x.
 
-    coords : shape (nv, 3). The turn has shape (3, 3) and is no mirror; the shift has shape (3,) and
-    brings the middle of the vertices to the origin.
+    The plane that is nearest to the form comes to lie at z = 0, and there the smallest box around
+    it along x and y. The middle of the vertices comes to the origin.
+
+    coords : shape (nv, 3). The turn has shape (3, 3) and is no mirror; the shift has shape (3,).
     """
     middle = coords.mean(axis=0)
     _, vectors = np.linalg.eigh((coords - middle).T @ (coords - middle))
@@ -169,7 +177,24 @@ def laid_flat(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, F
         normals = face_normals(coords, pattern.faces_vertices, pattern.faces_offsets)
     if np.nan_to_num(normals).sum(axis=0) @ axes[2] < -1e-9 * len(normals):
         axes[1:] *= -1
+    x, y = _box_length((coords - middle) @ axes[:2].T)
+    axes = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]]) @ axes
     return axes, -axes @ middle
+
+
+def _box_length(coords: FloatArray) -> FloatArray:
+    """The direction of the longer side of the smallest box around points, (n, 2), a unit vector."""
+    import shapely
+
+    corners = smallest_box(shapely.MultiPoint(coords))
+    sides = np.diff(corners, axis=0)[:2]
+    lengths = np.hypot(*sides.T)
+    if not len(sides) or lengths.max() == 0:
+        return np.array([1.0, 0.0])
+    # of a square the first side, whatever rounding says
+    longest = sides[-1] if lengths[-1] > lengths[0] * (1 + _SQUARE) else sides[0]
+    along: FloatArray = longest / np.hypot(*longest)
+    return along if along[np.argmax(np.abs(along))] > 0 else -along
 
 
 def _in_space(pattern: CreasePattern) -> FloatArray:
