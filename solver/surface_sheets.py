@@ -26,7 +26,7 @@ from solver.errors import InvalidState, InvalidValue, require_count
 from solver.goals import Bounds, FaceMeasures, Goals
 from solver.measure import developability
 from solver.mesh import QuadMesh
-from solver.relaxation.laying import Pleats, laid_patch, laid_tube, rim_planes
+from solver.relaxation.laying import Pleats, held_vertices, laid_patch, laid_tube, rim_planes
 from solver.relaxation.method import RelaxationStatus
 from solver.relaxation.pleats import PleatedSheet
 from solver.relaxation.rim_trimming import trimmed
@@ -331,6 +331,7 @@ class _Search:
             target,
             sheet,
             wishes,
+            held=held_vertices(target, sheet),
             rim=rim_planes(target, sheet),
             start=start,
             interrupted=self.interrupted,
@@ -445,7 +446,7 @@ def _patch(mesh: SurfaceMesh) -> _Lay:
 
 def _tube(mesh: SurfaceMesh) -> _Lay:
     corners, period = cylinder_map(mesh)
-    target = MeshTarget(mesh, corners)
+    target = MeshTarget(mesh, corners, period)
     return _Lay(target, False, lambda n, pleats, _: laid_tube(target, period, n, pleats))
 
 

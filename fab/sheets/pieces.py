@@ -185,7 +185,7 @@ def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
         text = (
             f"the sheet is cut into {pieces} with {seams}. Glue them in the order of their labels."
             if made.seams
-            else f"the sheet comes apart into {pieces} without seams: there is nothing to glue."
+            else f"the sheet comes apart into {pieces} that share no edge, and have no seams."
         )
         findings.append(Finding("sheet-split", Severity.NOTE, text))
     bare = [seam.edges[0] for seam in made.seams if seam.tab is None]

@@ -2,7 +2,8 @@
 
 Cells are laid in the plane of a map of the surface (`solver.surface_maps`). Those that reach over
 it are the sheet's, with a narrow margin beyond its rim, so that a sheet of any outline begins as a
-grid with some of its cells left out.
+grid with some of its cells left out. Holes are filled until the sheet is trimmed (`rim_trimming`):
+with vertices around them alone, it would not close up when it is flat.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import binary_fill_holes
 from scipy.spatial import cKDTree
 
 from solver.coverage import one_piece
@@ -18,9 +20,10 @@ from solver.mesh import interior_vertices
 from solver.relaxation.objectives import RimReach
 from solver.relaxation.pleats import Cell, PleatedSheet
 from solver.targets.mesh_target import MeshTarget
+from solver.targets.surface_mesh import MeshKind
 from solver.vectors import BoolArray, FloatArray, dot, norm, unit
 
-__all__ = ["Pleats", "laid_patch", "laid_tube", "rim_planes"]
+__all__ = ["Pleats", "held_vertices", "laid_patch", "laid_tube", "rim_planes"]
 
 # How far beyond the rim of the surface the sheet's rim is to be at least, in steps.
 _MARGIN = 0.1
@@ -83,7 +86,7 @@ def laid_patch(target: MeshTarget, columns: int, pleats: Pleats, turn: float = 0
     swing = np.zeros_like(grid)
     swing[:, :, 1] = pleats.zigzag * step / 2
     sheet = PleatedSheet(grid @ axes.T, swing @ axes.T, pleats.cell(step))
-    return replace(sheet, kept=_over(target, sheet))
+    return replace(sheet, kept=one_piece(binary_fill_holes(_over(target, sheet))))
 
 
 def laid_tube(target: MeshTarget, period: float, around: int, pleats: Pleats) -> PleatedSheet:
@@ -103,6 +106,15 @@ def laid_tube(target: MeshTarget, period: float, around: int, pleats: Pleats) ->
     swing[:, :, 0] = pleats.zigzag * step / 2
     cell = replace(pleats.cell(step), step=pleats.stretch * high / (rows - 1))
     return PleatedSheet(base, swing, cell, closed=True, period=(period, 0.0))
+
+
+def held_vertices(target: MeshTarget, sheet: PleatedSheet) -> BoolArray:
+    """Vertices of cells over the surface, shape (R C,): others, above a hole, only join them."""
+    if sheet.kept is None or target.mesh.kind is MeshKind.DISC:
+        return np.ones(len(sheet.uv), bool)
+    over = _over(target, replace(sheet, kept=None))[sheet.kept]
+    held: BoolArray = np.bincount(sheet.faces_vertices[over].ravel(), minlength=len(sheet.uv)) > 0
+    return held
 
 
 def rim_planes(target: MeshTarget, sheet: PleatedSheet) -> RimReach:
@@ -158,7 +170,7 @@ def _corners_uv(target: MeshTarget) -> FloatArray:
 
 
 def _over(target: MeshTarget, sheet: PleatedSheet) -> BoolArray:
-    """Cells of which more than a sliver is over the surface, in one piece."""
+    """Cells of which more than a sliver is over the surface, shape (R - 1, C - 1)."""
     rows, columns = sheet.shape
     corners = sheet.uv[sheet.faces_vertices]
     s, t = (a.reshape(-1, 1) for a in np.meshgrid(_WITHIN, _WITHIN))
@@ -166,7 +178,7 @@ def _over(target: MeshTarget, sheet: PleatedSheet) -> BoolArray:
     within = np.einsum("kpq,fkd->fpd", weights, corners).reshape(-1, 2)
     places = target.places(within)
     share = target.inside(places).reshape(len(corners), -1).mean(axis=1)
-    kept = (share > _SHARE).reshape(rows - 1, columns - 1)
-    if not kept.any():
+    over: BoolArray = (share > _SHARE).reshape(rows - 1, columns - 1)
+    if not over.any():
         raise InvalidState("columns", "no cell is over the surface", "Ask for more columns.")
-    return one_piece(kept)
+    return over

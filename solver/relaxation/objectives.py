@@ -128,34 +128,35 @@ class LeastDistances:
 
 @dataclass(frozen=True)
 class FoldBounds:
-    """Fold angles beyond a bound, radians; 0 within it.
+    """Fold angles beyond a bound, either way, radians; 0 within it.
 
-    An angle is counted in the direction that its crease has at first, so that one that has passed
-    180 degrees, where faces cross, is beyond 180 and not near -180.
+    Angles are followed from round to round without a jump of a whole turn, so that one that has
+    passed 180 degrees, where faces cross, is beyond 180 and not near -180.
 
     Attributes
     ----------
-    vertices : hinges, shape (n, 4), see `quad_hinges.hinges`. signs : 1 for valleys, -1 for
-        mountains, shape (n,). most : largest angle, radians.
+    vertices : hinges, shape (n, 4), see `quad_hinges.hinges`. angles : radians, shape (n,); the
+        next ones are within half a turn of them. most : largest angle, radians.
     """
 
     vertices: IntArray
-    signs: FloatArray
+    angles: FloatArray
     most: float
 
     @classmethod
     def of(cls, faces_vertices: IntArray, coords: FloatArray, most: float) -> FoldBounds:
-        """That of all inner edges, with the signs that they have at `coords`."""
+        """That of all inner edges, followed from the angles that they have at `coords`."""
         inner = hinges(faces_vertices)
-        return cls(inner, np.where(hinge_angles(coords, inner) < 0, -1.0, 1.0), most)
+        return cls(inner, hinge_angles(coords, inner), most)
 
     def linearised(self, coords: FloatArray) -> Linear:
         """Residuals and gradients, see `Term`."""
-        angle = self.signs * hinge_angles(coords, self.vertices)
-        angle = np.where(angle < -np.pi / 2, angle + 2 * np.pi, angle)
-        over = angle > self.most
-        slope = (self.signs * over)[:, None, None] * hinge_gradients(coords, self.vertices)
-        return Linear(np.where(over, angle - self.most, 0.0), slope, self)
+        turned = hinge_angles(coords, self.vertices) - self.angles
+        angles = self.angles + turned - 2 * np.pi * np.round(turned / (2 * np.pi))
+        over = np.abs(angles) > self.most
+        slope = (np.sign(angles) * over)[:, None, None] * hinge_gradients(coords, self.vertices)
+        values = np.where(over, np.abs(angles) - self.most, 0.0)
+        return Linear(values, slope, replace(self, angles=angles))
 
 
 def _length_ratios(

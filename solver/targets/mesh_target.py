@@ -47,6 +47,7 @@ class MeshTarget:
     ----------
     mesh : the surface. corners_uv : parameters of the corners of each face, shape (nf, 3, 2), as a
         map of the surface has them; None: u and v are NaN, and there are no `places`.
+    period : by how much u grows once around the surface; None where the map does not close.
 
     >>> corners = np.array([[0.0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]])
     >>> target = MeshTarget(SurfaceMesh.of(corners, np.array([[0, 1, 2], [0, 2, 3]])))
@@ -58,6 +59,7 @@ class MeshTarget:
 
     mesh: SurfaceMesh
     corners_uv: FloatArray | None = None
+    period: float | None = None
 
     def __post_init__(self) -> None:
         shape = (len(self.mesh.faces_vertices), 3, 2)
@@ -78,9 +80,11 @@ class MeshTarget:
         if self.corners_uv is None:
             raise InvalidState("corners_uv", "the mesh has no map", "Give it parameters.")
         asked = np.pad(uv, ((0, 0), (0, 1)))
-        corners = self._flat_corners
-        _, face, foot = self._map_tree.nearest(asked)
-        flat = corners[face]
+        if self.period is not None:
+            asked[:, 0] -= self.period * np.floor(asked[:, 0] / self.period)
+        faces, corners = self._flat
+        _, found, foot = self._map_tree.nearest(asked)
+        face, flat = faces[found], corners[found]
         weights = barycentric(flat, foot)
         out = self._place(face, weights, np.ones(len(uv)), self._on_rim(face, weights))
         space = self.mesh.vertices_coords[self.mesh.faces_vertices[face]]
@@ -212,13 +216,26 @@ class MeshTarget:
         return TriangleTree.of(self.mesh.vertices_coords, self.mesh.faces_vertices)
 
     @cached_property
-    def _flat_corners(self) -> FloatArray:
-        """Corners of the faces in the map, with z = 0, shape (nf, 3, 3)."""
-        return np.pad(np.asarray(self.corners_uv, np.float64), ((0, 0), (0, 0), (0, 1)))
+    def _flat(self) -> tuple[IntArray, FloatArray]:
+        """Faces, shape (n,), and their corners in the map, with z = 0, shape (n, 3, 3).
+
+        Faces that reach over one end of the period are at its other end as well.
+        """
+        corners = np.pad(np.asarray(self.corners_uv, np.float64), ((0, 0), (0, 0), (0, 1)))
+        faces = np.arange(len(corners))
+        if self.period is None:
+            return faces, corners
+        u = corners[:, :, 0]
+        copied = [np.flatnonzero(u.min(axis=1) < 0), np.flatnonzero(u.max(axis=1) > self.period)]
+        moved = [
+            corners[which] + np.array([shift, 0.0, 0.0])
+            for which, shift in zip(copied, (self.period, -self.period), strict=True)
+        ]
+        return np.concatenate([faces, *copied]), np.concatenate([corners, *moved])
 
     @cached_property
     def _map_tree(self) -> TriangleTree:
-        corners = self._flat_corners
+        _, corners = self._flat
         return TriangleTree.of(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
 
     @cached_property

@@ -152,3 +152,20 @@ def test_a_fold_beyond_180_degrees_is_not_near_minus_180():
     assert bound.linearised(folded[120]).values.tolist() == [0.0]
     assert np.degrees(bound.linearised(folded[200]).values) == pytest.approx(40)
     assert np.degrees(hinge_angles(folded[200], bound.vertices)) == pytest.approx(-160)
+
+
+def test_fold_angles_are_followed_through_all_turns():
+    """A fold the other way, past 90, 180 and 270 degrees: the bound grows with no jump."""
+    bound = None
+    over = []
+    for turn in range(30, -331, -15):
+        a = np.radians(turn)
+        arm = np.array([-np.cos(a), 0, np.sin(a)])
+        coords = np.array([[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], arm, arm + np.eye(3)[1]])
+        bound = bound or FoldBounds.of(
+            np.array([[0, 2, 3, 1], [4, 0, 1, 5]]), coords, np.radians(160)
+        )
+        linear = bound.linearised(coords)
+        bound = linear.term
+        over.append(float(np.degrees(linear.values[0])))
+    assert over == pytest.approx([max(0, abs(turn) - 160) for turn in range(30, -331, -15)])

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
-from surface_meshes import cap, grid, mesh_of, torus
+from surface_meshes import cap, dome_with_holes, grid, mesh_of, torus
 
+from fab.pattern.development import develop
 from solver import InvalidState, InvalidValue, QuadMesh, Status, developability, planarity
 from solver.designs import SurfaceFit
 from solver.goals import Bounds, Goals
@@ -65,6 +66,38 @@ def test_a_tube_is_covered_by_one_exact_tube():
     assert sheet.mesh.closed
     assert sheet.mesh.grid.shape[1] == 12
     assert found.coverage > 0.99
+
+
+def test_a_sheet_with_holes_closes_around_them_when_flat():
+    """Faces and vertices around a hole can be exact where the sheet is none: lengths tell."""
+    mesh = mesh_of(dome_with_holes())
+    (sheet,) = surface_sheets(mesh, 16, turns=[0.0]).sheets
+    require_made(sheet)
+    faces = sheet.mesh.faces_vertices
+    vertices, edges = len(np.unique(faces)), len(np.unique(np.sort(_sides(faces), axis=1), axis=0))
+    assert vertices - edges + len(faces) <= 0  # some hole is open, those of under a cell are not
+    flat = develop(sheet.mesh).vertices_coords
+    lengths = [
+        np.linalg.norm(coords[ends[:, 0]] - coords[ends[:, 1]], axis=1)
+        for coords, ends in ((flat, _sides(faces)), (sheet.mesh.vertices_coords, _sides(faces)))
+    ]
+    np.testing.assert_allclose(*lengths, rtol=0, atol=1e-11)
+
+
+def _sides(faces):
+    return np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+
+
+def test_places_go_on_around_a_tube():
+    flat, period = cylinder_map(tube())
+    target = MeshTarget(tube(), flat, period)
+    uv = np.column_stack([np.linspace(-0.2, 0.2, 41), np.full(41, 1.0)])
+    points = target.point(target.places(uv))
+    np.testing.assert_allclose(
+        target.point(target.places(uv + np.array([period, 0]))), points, atol=1e-12
+    )
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps.max() < 1.3 * steps.min()  # nowhere held back at the end of the map
 
 
 def test_a_ball_takes_two_sheets_or_more():
