@@ -22,7 +22,7 @@ WINGS = {
     "clearance": {"geometry", "pattern", "formats", "folding", "panels"},
     "printing": {"geometry", "pattern", "formats", "folding", "layout", "panels", "clearance"},
 }
-WINGS["viewing"] = set(WINGS) - {"surfaces", "drawings", "sheets"}
+WINGS["viewing"] = set(WINGS) - {"surfaces", "sheets"}
 WINGS["jobs"] = set(WINGS)
 WINGS["cli"] = set(WINGS)
 # What each package of the formats may import besides itself and the modules at their root that

@@ -37,7 +37,7 @@ def run(
     suggest: bool,
     allow_code: bool,
 ) -> None:
-    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG and report.json."""
+    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG, HTML and report.json."""
     with answers() as interrupts:
         from fab.jobs.grow import grown_pattern
         from fab.jobs.job_files import Format, make

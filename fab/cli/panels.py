@@ -50,7 +50,7 @@ __all__ = ["say_window", "thicken"]
 )
 @size_options
 @reading_options
-@only("Such as step,stl (default: all).")
+@only("Such as step,stl (default: all but zip and glb).")
 @DRY_RUN
 @SUGGEST
 def thicken(
@@ -65,7 +65,7 @@ def thicken(
     dry_run: bool,
     suggest: bool,
 ) -> None:
-    """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF and PNG.
+    """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF, PNG and HTML.
 
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
     """

@@ -20,6 +20,7 @@ from fab.cli.options import (
     OUT,
     Size,
     formats_of,
+    only,
     reading_options,
     size_options,
 )
@@ -46,7 +47,7 @@ __all__ = ["coupon", "fabricate", "shipped"]
     is_flag=True,
     help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
 )
-@ONLY_SHEETS
+@only("Such as dxf,pdf (default: dxf,svg,pdf,html).")
 @DRY_RUN
 def fabricate(
     file: Path,
@@ -66,21 +67,29 @@ def fabricate(
     """
     with answers() as interrupts:
         from fab.drawings.drawing_files import SheetFormat
-        from fab.jobs.sheet_files import fabricate, sheet_names
+        from fab.jobs.sheet_files import FabricatedFormat, fabricate, sheet_names
         from fab.outputs import plain_title
         from fab.sheets.materials import load_machine, load_material
         from fab.sheets.registration import Registration
         from fab.sheets.sheet_request import SheetRequest
 
         stock, cutter = load_material(material), load_machine(machine)
-        formats = formats_of(only, SheetFormat) or list(SheetFormat)
+        chosen = formats_of(only, FabricatedFormat) or list(FabricatedFormat)
+        request = SheetRequest(
+            stock,
+            cutter,
+            copies,
+            Registration() if two_sided else None,
+            [SheetFormat(kind) for kind in chosen if kind is not FabricatedFormat.HTML],
+            page=FabricatedFormat.HTML in chosen,
+        )
 
         def make(progress: Progress) -> Made:
             pattern, name, findings = sheet_of(file, options, size)
             return fabricate(
                 pattern,
                 name,
-                SheetRequest(stock, cutter, copies, Registration() if two_sided else None, formats),
+                request,
                 findings=findings,
                 progress=progress,
             )

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fab.errors import Finding
 from fab.folding.fold_settings import FoldSettings
@@ -23,6 +23,9 @@ from fab.pattern.inspection import inspect_angles
 from fab.progress import Progress, silent
 from fab.viewing.scene_builders import folding_scene
 
+if TYPE_CHECKING:
+    from fab.viewing.scene import Scene
+
 __all__ = ["SimulationFormat", "simulate"]
 
 
@@ -32,6 +35,8 @@ class SimulationFormat(StrEnum):
     FOLD = "fold"
     PNG = "png"
     GIF = "gif"
+    GLB = "glb"
+    HTML = "html"
 
 
 def simulate(
@@ -47,7 +52,7 @@ def simulate(
     fold_flat: bool = False,
     upright: bool = False,
 ) -> Made:
-    """Fold a pattern from flat, and make files of it: NAME_folding.fold, .png, .gif and .json.
+    """Fold a pattern from flat, and make NAME_folding.fold, .png, .gif, .glb, .html and .json.
 
     The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or of its
     angles where they close, or what it folds to), and a frame for each state. The report is the
@@ -117,5 +122,37 @@ def simulate(
     report |= {"verdict": verdict.report(), "rigid": rigid}
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
+    if {SimulationFormat.GLB, SimulationFormat.HTML} & set(formats):
+        scene = folding_scene(shown, name, findings=every, upright=upright)
+        files |= _scene_files(scene, stem, formats, report, files)
     progress("write", 1, 1)
     return with_report(files, f"{stem}.json", report, every)
+
+
+def _scene_files(
+    scene: Scene,
+    stem: str,
+    formats: Sequence[SimulationFormat],
+    report: Mapping[str, Any],
+    files: Mapping[str, bytes],
+) -> dict[str, bytes]:
+    """The model and the result page, which lists the other files too."""
+    made: dict[str, bytes] = {}
+    if SimulationFormat.GLB in formats:
+        from fab.viewing.glb import sheet_glb_bytes
+
+        made[f"{stem}.glb"] = sheet_glb_bytes(scene)
+    if SimulationFormat.HTML in formats:
+        from fab.viewing.page import ResultPage, page_bytes
+
+        page = ResultPage(
+            scene.name,
+            "quadfold simulate",
+            scene,
+            report,
+            scene.findings,
+            {**files, **made},
+            pictures={f"{stem}.png": "states on the way, coloured by strain"},
+        )
+        made[f"{stem}.html"] = page_bytes(page)
+    return made

@@ -82,8 +82,10 @@ class SheetSettings(ThickSettings):
         "digit: it names the files in the output folder",
     )
     description: str = ""
-    outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png", "zip"]] = Field(
-        default=["fold", "dxf", "svg", "step", "stl", "3mf", "png"],
+    outputs: list[
+        Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png", "zip", "glb", "html"]
+    ] = Field(
+        default=["fold", "dxf", "svg", "step", "stl", "3mf", "png", "html"],
         min_length=1,
         description="what is made where nothing else is asked for",
     )

@@ -5,6 +5,7 @@ The flow, and the only place where its branches join:
     design -> mesh -> development -> crease pattern -+-> perforation -> DXF, SVG
                                                      +-> FOLD, PNG
                                                      +-> thick sheet -> STEP, STL, 3MF, PNG
+                                                     +-> scene -> GLB, result page of it all
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
+    from fab.drawings.cut_paths import CutPaths
     from fab.viewing.scene import Scene
 
 __all__ = ["Format", "Sheet", "from_mesh", "make"]
@@ -54,9 +56,14 @@ class Format(StrEnum):
     THREEMF = "3mf"
     PNG = "png"
     ZIP = "zip"
+    GLB = "glb"
+    HTML = "html"
 
 
 _SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
+# Ends of files that are of the thick sheet, or of the sheet itself.
+_ALSO_OF_SHEETS = {".png", ".glb"}
+_OF_SCENES = {Format.GLB, Format.HTML}
 
 
 @dataclass(frozen=True)
@@ -201,11 +208,19 @@ def from_mesh(
 
 @dataclass(frozen=True)
 class _Part:
-    """What one stage adds to what is made: files by name, findings, and keys of the report."""
+    """What one stage adds to what is made: files by name, findings, and keys of the report.
+
+    scene : of the sheet in folded states, where the stage has them and a model or page is made.
+    panels_state : number of the state up to which its panels fold.
+    paths : what is cut.
+    """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
     findings: Sequence[Finding] = ()
     report: Mapping[str, Any] = field(default_factory=dict)
+    scene: Scene | None = None
+    panels_state: int = 0
+    paths: CutPaths | None = None
 
 
 def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
@@ -217,7 +232,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
         _fold_file(sheet, wanted, clock),
         _drawings(sheet, wanted, clock),
         _solids(sheet, wanted, clock),
-        _simulation(sheet, clock),
+        _simulation(sheet, wanted, clock),
         _picture(sheet, wanted, clock),
     ]
     report: dict[str, Any] = {
@@ -228,8 +243,10 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
     for part in parts:
         report |= part.report
         files |= part.files
-    report["seconds"] = clock.seconds
     findings = [finding for part in parts for finding in part.findings]
+    if wanted & _OF_SCENES:
+        files |= _of_scene(sheet, wanted, parts, files, findings, report, clock)
+    report["seconds"] = clock.seconds
     return with_report(files, "report.json", report, findings)
 
 
@@ -326,7 +343,7 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     for kind in kinds:
         with clock.stage(kind):
             files |= drawing_files(paths, sheet.settings.name, [SheetFormat(kind.value)])
-    return _Part(files, findings)
+    return _Part(files, findings, paths=paths)
 
 
 def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
@@ -352,13 +369,19 @@ def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
         boxes["print"] = made.print_mm
         solids = {**made.figures, "plates": made.plates}
     files = {
-        settings.name + ("_thick.png" if end == ".png" else end): data
+        settings.name + ("_thick" + end if end in _ALSO_OF_SHEETS else end): data
         for end, data in made.data.items()
     }
-    return _Part(files, made.findings, {"bounding_box_mm": boxes, "solids": solids})
+    return _Part(
+        files,
+        made.findings,
+        {"bounding_box_mm": boxes, "solids": solids},
+        made.scene,
+        made.panels_state,
+    )
 
 
-def _simulation(sheet: Sheet, clock: Clock) -> _Part:
+def _simulation(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
     settings = sheet.settings.simulation
     if settings is None:
         return _Part(report={"simulation": None})
@@ -368,7 +391,12 @@ def _simulation(sheet: Sheet, clock: Clock) -> _Part:
 
     folding, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
     findings = with_motion(findings, verdict, rigid_motion(sheet.pattern, folding.frame))
-    return _Part(findings=findings, report={"simulation": verdict.report()})
+    scene: Scene | None = None
+    if wanted & _OF_SCENES:
+        from fab.viewing.scene_builders import folding_scene
+
+        scene = folding_scene(folding, sheet.settings.name, upright=sheet.upright)
+    return _Part(findings=findings, report={"simulation": verdict.report()}, scene=scene)
 
 
 def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
@@ -379,6 +407,55 @@ def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     name = sheet.settings.name
     with clock.stage("png"):
         return _Part({f"{name}.png": sheet_png_bytes(sheet.scene())})
+
+
+def _of_scene(
+    sheet: Sheet,
+    wanted: set[Format],
+    parts: Sequence[_Part],
+    files: Mapping[str, bytes],
+    findings: Sequence[Finding],
+    report: Mapping[str, Any],
+    clock: Clock,
+) -> dict[str, bytes]:
+    """The model of the folded form, and the page of all that the run made."""
+    name = sheet.settings.name
+    scene, reached = next(
+        ((part.scene, part.panels_state) for part in parts if part.scene is not None), (None, 0)
+    )
+    made: dict[str, bytes] = {}
+    with clock.stage("scene"):
+        if scene is None:
+            from fab.viewing.predicted_fold import predicted_scene
+
+            scene = predicted_scene(sheet.pattern, name, upright=sheet.upright)
+    if Format.GLB in wanted:
+        from fab.viewing.glb import sheet_glb_bytes
+
+        with clock.stage("glb"):
+            made[f"{name}.glb"] = sheet_glb_bytes(scene)
+    if Format.HTML in wanted:
+        from fab.viewing.page import ResultPage, page_bytes
+
+        paths = next((part.paths for part in parts if part.paths is not None), None)
+        pictures = {
+            f"{name}.png": "folded form and crease pattern",
+            f"{name}_thick.png": "panels and hinges, flat and folded",
+        }
+        with clock.stage("html"):
+            page = ResultPage(
+                name,
+                "quadfold run",
+                scene,
+                report,
+                findings,
+                {**files, **made},
+                {} if paths is None else {"As it is cut": paths},
+                pictures=pictures,
+                panels_state=reached,
+            )
+            made[f"{name}.html"] = page_bytes(page)
+    return made
 
 
 def _number(value: float) -> float | None:

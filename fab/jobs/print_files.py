@@ -1,7 +1,7 @@
 """Files of a thick sheet for printers and CAD programs, and the report that goes with them.
 
 crease pattern -> pieces apart -> panels, hinges -> joined body -> checks -> plates -> STEP, STL,
-3MF, PNG
+3MF, PNG, GLB -> result page
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from fab.printing.thick_settings import UNKNOWN, PrintWith, ThickSettings
 from fab.printing.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
 from fab.progress import Clock, Progress, silent
 
+if TYPE_CHECKING:
+    from fab.viewing.scene import Scene
+
 __all__ = ["ORDINARY", "ThickFiles", "ThickFormat", "make_thick", "thick_files"]
 
 
@@ -42,10 +45,18 @@ class ThickFormat(StrEnum):
     THREEMF = "3mf"
     PNG = "png"
     ZIP = "zip"
+    GLB = "glb"
+    HTML = "html"
 
 
-# What is made by default: a zip of all bodies is for other programs.
-ORDINARY = (ThickFormat.STEP, ThickFormat.STL, ThickFormat.THREEMF, ThickFormat.PNG)
+# What is made by default: zips of all bodies and GLB are for other programs.
+ORDINARY = (
+    ThickFormat.STEP,
+    ThickFormat.STL,
+    ThickFormat.THREEMF,
+    ThickFormat.PNG,
+    ThickFormat.HTML,
+)
 
 
 @dataclass(frozen=True)
@@ -55,13 +66,16 @@ class ThickFiles:
     Attributes
     ----------
     data : bytes of each file, by what follows the name: ".step", "_plate_1.stl"; empty where there
-        is no panel.
+        is no panel. A result page is not among them: it shows the whole report.
     plates : which part is printed on which plate, and how they are joined
         (`fab.printing.plates`); None where the sheet is printed in one.
     figures : what was measured of bodies, print and clearance, by the keys of a report; None where
         there is no panel.
     print_mm : sides of the joined body's box, flat; None where there is none.
     findings : of panels, hinges and checks.
+    scene : the sheet and its bodies in all folded states, for models and result pages; None where
+        there is no panel, or neither is asked for.
+    panels_state : number of the state up to which the panels fold.
     """
 
     data: Mapping[str, bytes]
@@ -69,6 +83,8 @@ class ThickFiles:
     figures: dict[str, Any] | None
     print_mm: list[float] | None
     findings: tuple[Finding, ...]
+    scene: Scene | None = None
+    panels_state: int = 0
 
 
 @dataclass(frozen=True)
@@ -78,13 +94,16 @@ class _Checked:
     Attributes
     ----------
     joined : the surface of all its bodies. figures : as in `ThickFiles`.
-    states : those in which it was checked, the flat one first.
+    states : the folded states that it was checked in, the flat one first, and those beyond in
+        which panels would overlap.
+    checked : number of those that it was checked in.
     """
 
     sheet: ThickSheet
     joined: TriangleMesh
     figures: dict[str, Any]
     states: tuple[FoldedState, ...]
+    checked: int
 
 
 def thick_files(
@@ -126,12 +145,20 @@ def thick_files(
         findings = [finding for finding in findings if finding.code != "print-too-large"]
         findings += [_divided(plates), *found]
     data, found = _files(checked, plates, name, formats, clock, upright=upright)
+    findings += found
+    scene: Scene | None = None
+    if {ThickFormat.GLB, ThickFormat.HTML} & set(formats):
+        from fab.viewing.scene_builders import thick_scene
+
+        scene = thick_scene(sheet, checked.states, name, findings=findings, upright=upright)
     return ThickFiles(
         data,
         None if plates is None else plates.guide(),
         checked.figures,
         box_mm(checked.joined.vertices_coords),
-        (*findings, *found),
+        tuple(findings),
+        scene,
+        checked.checked - 1,
     )
 
 
@@ -186,7 +213,7 @@ def _checked(
         **dataclasses.asdict(measured.clearance),
     }
     reached = len(measured.clearance.states)  # as far as the panels are made for
-    return _Checked(sheet, joined, figures, tuple(states[: max(1, reached)])), findings
+    return _Checked(sheet, joined, figures, tuple(states), max(1, reached)), findings
 
 
 def _require_resolved(sheet: ThickSheet) -> None:
@@ -229,8 +256,16 @@ def _files(
         from fab.viewing.scene_builders import thick_scene
         from fab.viewing.thick_picture import thick_png_bytes
 
-        scene = thick_scene(sheet, checked.states, name, upright=upright)
+        states = checked.states[: checked.checked]
+        scene = thick_scene(sheet, states, name, upright=upright)
         return {".png": thick_png_bytes(scene, plates)}
+
+    def model() -> dict[str, bytes]:
+        from fab.viewing.glb import bodies_glb_bytes
+        from fab.viewing.scene_builders import thick_scene
+
+        states = checked.states[: checked.checked]
+        return {".glb": bodies_glb_bytes(thick_scene(checked.sheet, states, name, upright=upright))}
 
     writers: dict[ThickFormat, tuple[str, Callable[[], dict[str, bytes]]]] = {
         ThickFormat.STEP: ("step", lambda: {".step": step_bytes(sheet, name)}),
@@ -241,6 +276,7 @@ def _files(
         ThickFormat.THREEMF: ("3mf", objects),
         ThickFormat.ZIP: ("zip", lambda: {"_bodies.zip": body_stls(sheet)}),
         ThickFormat.PNG: ("thick png", picture),
+        ThickFormat.GLB: ("thick glb", model),
     }
     data: dict[str, bytes] = {}
     for kind, (stage, write) in writers.items():
@@ -300,7 +336,8 @@ def make_thick(
     findings: Sequence[Finding] = (),
     progress: Progress = silent,
 ) -> Made:
-    """Files of any crease pattern as a thick sheet: NAME_thick.step, .stl, .3mf, .png and a report.
+    """Files of any crease pattern as a thick sheet: NAME_thick.step, .stl, .3mf, .png, .html and so
+    on, and a report.
 
     A sheet of web hinges that is larger than its printer's bed gets an .stl and a .3mf for each
     plate, NAME_thick_plate_1.stl and so on.
@@ -313,6 +350,7 @@ def make_thick(
     made = thick_files(pattern, name, settings, formats, clock, print_with)
     printer, material = print_with.printer, print_with.material
     files = {f"{name}_thick{end}": data for end, data in made.data.items()}
+    every = (*findings, *made.findings)
     report: dict[str, Any] = {
         "name": name,
         "settings": settings.model_dump(mode="json"),
@@ -324,4 +362,19 @@ def make_thick(
         "plates": made.plates,
         "seconds": clock.seconds,
     }
-    return with_report(files, f"{name}_thick_report.json", report, (*findings, *made.findings))
+    if made.scene is not None and ThickFormat.HTML in formats:
+        from fab.viewing.page import ResultPage, page_bytes
+
+        with clock.stage("html"):
+            page = ResultPage(
+                name,
+                "quadfold thicken",
+                made.scene,
+                report,
+                every,
+                files,
+                pictures={f"{name}_thick.png": "flat and folded"},
+                panels_state=made.panels_state,
+            )
+            files[f"{name}_thick.html"] = page_bytes(page)
+    return with_report(files, f"{name}_thick_report.json", report, every)

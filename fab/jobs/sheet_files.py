@@ -2,14 +2,15 @@
 
 pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on beds
 -> front and back, if asked for -> order of the work, estimate
--> DXF, SVG and PDF of each sheet, report
+-> DXF, SVG and PDF of each sheet, result page, report
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import partial
 from typing import Any
 
@@ -37,10 +38,19 @@ from fab.sheets.sheet_request import SheetRequest
 from fab.sheets.work_estimate import estimate
 from solver.errors import InvalidState, InvalidValue
 
-__all__ = ["fabricate", "sheet_names", "sheets"]
+__all__ = ["FabricatedFormat", "fabricate", "sheet_names", "sheets"]
 
 # More pieces than this take hours to place, to put in order and to write.
 _MOST_PLACED = 10_000
+
+
+class FabricatedFormat(StrEnum):
+    """The kinds of files of `fabricate`: those of drawings, and the result page."""
+
+    DXF = "dxf"
+    SVG = "svg"
+    PDF = "pdf"
+    HTML = "html"
 
 
 def fabricate(
@@ -85,13 +95,16 @@ def fabricate(
     files = {file: data for sheet in drawn for file, data in sheet.files.items()}
     listed = [{"files": list(sheet.files), **sheet.work} for sheet in drawn]
     report = sheet_report(name, request, pieces, placements, listed)
-    progress("write", 1, 1)
     every = [
         *findings,
         *narrow_faces(pattern, request.machine.kerf_mm),
         *split_findings,
         *cut_findings,
     ]
+    if request.page:
+        drawings = {title: paths for sheet in drawn for title, paths in sheet.paths.items()}
+        files[f"{name}_sheets.html"] = _page(pattern, name, request, report, every, files, drawings)
+    progress("write", 1, 1)
     return with_report(files, f"{name}_report.json", report, every)
 
 
@@ -101,7 +114,8 @@ def sheet_names(name: str) -> re.Pattern[str]:
     >>> [bool(sheet_names("a").fullmatch(file)) for file in ("a_12_back.dxf", "a.dxf")]
     [True, False]
     """
-    return re.compile(rf"{re.escape(name)}_\d+(_front|_back)?\.({'|'.join(SheetFormat)})")
+    drawing = rf"_\d+(_front|_back)?\.({'|'.join(SheetFormat)})"
+    return re.compile(rf"{re.escape(name)}({drawing}|_sheets\.html)")
 
 
 def sheets(
@@ -202,10 +216,14 @@ def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
 
 @dataclass(frozen=True)
 class _Drawn:
-    """Files of a sheet, or of one side of it, and what the report says of the work on it."""
+    """Files of a sheet, or of one side of it, and what the report says of the work on it.
+
+    paths : what is drawn in them, by name.
+    """
 
     files: dict[str, bytes]
     work: dict[str, Any]
+    paths: dict[str, CutPaths]
 
 
 def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
@@ -221,7 +239,8 @@ def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
     files = {file: data for side in sides.values() for file, data in side.files.items()}
     listed = {name: {"files": list(side.files), **side.work} for name, side in sides.items()}
     turn = how_to_turn(name, registration, machine.bed_mm)
-    return _Drawn(files, sides_report(listed, turn))
+    paths = {title: drawing for side in sides.values() for title, drawing in side.paths.items()}
+    return _Drawn(files, sides_report(listed, turn), paths)
 
 
 def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
@@ -233,4 +252,24 @@ def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
             ordered, name, request.formats, machine.colours, machine.dxf_version, machine.stroke_mm
         ),
         estimate_report(estimate(ordered, request.speeds)),
+        {name: ordered},
     )
+
+
+def _page(
+    pattern: CreasePattern,
+    name: str,
+    request: SheetRequest,
+    report: Mapping[str, Any],
+    findings: Sequence[Finding],
+    files: Mapping[str, bytes],
+    drawings: Mapping[str, CutPaths],
+) -> bytes:
+    """The result page of the sheets."""
+    from fab.viewing.page import ResultPage, page_bytes
+    from fab.viewing.predicted_fold import predicted_scene
+
+    scene = predicted_scene(pattern, name, findings=findings)
+    colours = request.machine.colours
+    page = ResultPage(name, "quadfold fabricate", scene, report, findings, files, drawings, colours)
+    return page_bytes(page)

@@ -33,6 +33,7 @@ class SheetRequest:
     registration : where given, creases are scored on the side on which they open, and each sheet
         has a front and a back (`fab.sheets.registration`); the stock is as large as the bed.
     formats : of the drawings.
+    page : whether a result page shows them.
 
     Raises `InvalidValue` for copies that are no such number.
     """
@@ -42,6 +43,7 @@ class SheetRequest:
     copies: int = 1
     registration: Registration | None = None
     formats: Sequence[SheetFormat] = tuple(SheetFormat)
+    page: bool = True
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")

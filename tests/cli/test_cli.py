@@ -166,7 +166,7 @@ def test_thicken_makes_files_of_any_fold_file(here, axis):
     assert names_in(".") == []
     result = run("thicken", file, *words, "--width-mm", "150", "--out", "out")
     assert result.exit_code == 0, result.output
-    kinds = ["3mf", "png", "step", "stl"]
+    kinds = ["3mf", "html", "png", "step", "stl"]
     names = [f"square_twist_thick.{kind}" for kind in kinds]
     assert names_in("out") == sorted([*names, "square_twist_thick_report.json"])
     assert all(name in result.output for name in names)
@@ -181,7 +181,7 @@ def test_thicken_makes_files_of_any_fold_file(here, axis):
     left = run("thicken", file, *words, "--set", "panels.thickness_mm=200.0", "--out", "out")
     assert left.exit_code == 1
     assert "error: panel-vanishes: 9 faces have no panel" in left.output
-    assert "square_twist_thick.3mf and 3 more of this name are from an earlier run" in left.output
+    assert "square_twist_thick.3mf and 4 more of this name are from an earlier run" in left.output
 
 
 def test_thicken_prints_what_is_larger_than_the_bed_in_parts(here):
@@ -380,7 +380,8 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
     summary = re.search(r"`(\d+ pieces?, [^`]* minutes)`", part)[1]
     assert summary in results[-1].output
     kinds = [f"curved_fold_1.{kind}" for kind in ("dxf", "pdf", "svg")]
-    assert names_in("sheets") == [*kinds, "curved_fold_report.json"]
+    assert names_in("sheets") == [*kinds, "curved_fold_report.json", "curved_fold_sheets.html"]
+    assert "`curved_fold_sheets.html`" in part
     assert "`curved_fold_report.json`" in part
     assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
     for side in re.findall(r"`(curved_fold_1_\w+)`", part):
@@ -398,7 +399,7 @@ def test_the_printer_part_of_the_readme_does_what_it_says(here):
     results = [run(*words[1:]) for words in lines]
     assert [result.exit_code for result in results] == [0, 0, 0], results
     assert "fold-blocked" in results[2].output
-    kinds = [f"miura_thick.{kind}" for kind in ("3mf", "png", "step", "stl")]
+    kinds = [f"miura_thick.{kind}" for kind in ("3mf", "html", "png", "step", "stl")]
     assert names_in("solid") == [*kinds, "miura_thick_report.json"]
 
 

@@ -76,8 +76,8 @@ def test_the_files_of_a_simulation_hold_its_states(tmp_path):
     result = run("simulate", PATTERNS / "miura.fold", "--states", 4, "--out", tmp_path)
     assert result.exit_code == 0, result.output
     assert "folds to its target" in result.output
-    names = ["miura_folding.fold", "miura_folding.gif", "miura_folding.json", "miura_folding.png"]
-    assert sorted(p.name for p in tmp_path.iterdir()) == names
+    names = {f"miura_folding.{kind}" for kind in (*SimulationFormat, "json")}
+    assert {path.name for path in tmp_path.iterdir()} == names
     found = read_fold(tmp_path / "miura_folding.fold")
     assert len(found.states) == 4
     saved = json.loads((tmp_path / "miura_folding.json").read_text())
@@ -111,7 +111,7 @@ def test_the_same_file_gives_the_same_bytes():
     pattern, _ = read_pattern(PATTERNS / "square_twist.fold")
     first, second = (simulate(pattern, "twist") for _ in range(2))
     assert dict(first.files) == dict(second.files)
-    assert set(first.files) == {f"twist_folding.{k}" for k in ("fold", "png", "gif", "json")}
+    assert set(first.files) == {f"twist_folding.{kind}" for kind in (*SimulationFormat, "json")}
 
 
 def test_a_job_is_simulated_from_its_file_and_on_request(tmp_path):

@@ -380,7 +380,8 @@ def test_the_bound_of_dashes_is_on_all_copies_of_all_pieces_together(monkeypatch
 def test_the_same_pattern_gives_the_same_bytes():
     first, second = (sheets_of("resch", "plywood_3mm")[1] for _ in range(2))
     assert dict(first.files) == dict(second.files)
-    assert set(first.files) == {"resch_1.dxf", "resch_1.svg", "resch_1.pdf", "resch_report.json"}
+    sheets = {"resch_1.dxf", "resch_1.svg", "resch_1.pdf"}
+    assert set(first.files) == {*sheets, "resch_sheets.html", "resch_report.json"}
 
 
 def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
@@ -555,10 +556,10 @@ def test_both_sides_are_written_in_every_format(folder):
     assert result.exit_code == 0, result.output
     kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
     written = sorted(path.name for path in (folder / "out").iterdir())
-    assert written == sorted([*kinds, "square_twist_report.json"])
+    assert written == sorted([*kinds, "square_twist_report.json", "square_twist_sheets.html"])
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
     again = run(*words[:-1], "--out", "out", "--only", "dxf")
-    assert "note: out/square_twist_1_back.dxf and 5 more of this name are from" in again.output
+    assert "note: out/square_twist_1_back.dxf and 6 more of this name are from" in again.output
     assert (folder / "out" / "square_twist_1_back.dxf").exists()
 
 
@@ -586,7 +587,8 @@ def test_file_names_of_any_bytes_become_names_that_can_be_read(folder):
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (folder / "out").iterdir())
     plain = 'a_[31m_<b>&"_'
-    assert names == sorted([f"{plain}_report.json", *(f"{plain}_1.{kind}" for kind in SheetFormat)])
+    drawings = [f"{plain}_1.{kind}" for kind in SheetFormat]
+    assert names == sorted([f"{plain}_report.json", f"{plain}_sheets.html", *drawings])
     plain += "_1"
     root = ElementTree.fromstring((folder / "out" / f"{plain}.svg").read_bytes())
     assert root[0].text == plain

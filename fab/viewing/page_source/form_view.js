@@ -1,0 +1,322 @@
+// The sheet or its panels in space, from flat to folded.
+
+import {
+  BackSide,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DirectionalLight,
+  DoubleSide,
+  FrontSide,
+  HemisphereLight,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshBasicMaterial,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Scene,
+  Spherical,
+  Vector3,
+  WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { between, bodyStates, boxMiddle, sheetStates } from "./states.js";
+
+const FIELD_DEG = 35;
+const TURN_RAD = Math.PI / 24;
+const ZOOM = 1.2;
+const FRAME = 1.06; // a margin around what is shown
+
+/** Whether the browser draws in space at all. */
+export function canDraw() {
+  try {
+    return document.createElement("canvas").getContext("webgl2") !== null;
+  } catch {
+    return false;
+  }
+}
+
+/** One thing that folds: its states, and what is drawn of them. */
+class Form {
+  constructor(states) {
+    this.states = states;
+    this.place = new BufferAttribute(new Float32Array(states[0].length), 3);
+    this.objects = [];
+    this.lit = [];
+  }
+
+  geometry(index) {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", this.place);
+    geometry.setIndex(new BufferAttribute(index, 1));
+    return geometry;
+  }
+
+  faces(index, colour, side) {
+    const material = new MeshLambertMaterial({
+      color: colour,
+      side,
+      flatShading: true,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    });
+    this.objects.push(new Mesh(this.geometry(index), material));
+  }
+
+  lines(index, colour, look = {}) {
+    const lines = new LineSegments(this.geometry(index), new LineBasicMaterial({ color: colour, ...look }));
+    lines.userData.creases = true;
+    this.objects.push(lines);
+  }
+
+  /** Light up triangles and lines, in place of those before. */
+  light(triangles, lines, colour) {
+    for (const object of this.lit) object.geometry.dispose();
+    const through = { color: colour, depthTest: false, transparent: true };
+    const areas = new MeshBasicMaterial({ ...through, side: DoubleSide, opacity: 0.6 });
+    this.lit = [
+      new Mesh(this.geometry(triangles), areas),
+      new LineSegments(this.geometry(lines), new LineBasicMaterial(through)),
+    ];
+    for (const object of this.lit) object.renderOrder = 1;
+  }
+
+  fold(place) {
+    between(this.states, Math.min(place, this.states.length - 1), this.place.array);
+    this.place.needsUpdate = true;
+  }
+}
+
+/** Rows of `width` numbers of an array whose owner, one for each row, is among some. */
+function rowsOf(array, width, owners, chosen) {
+  const wanted = new Set(chosen);
+  const rows = [];
+  owners.forEach((owner, row) => {
+    if (wanted.has(owner)) rows.push(...array.subarray(width * row, width * (row + 1)));
+  });
+  return Uint32Array.from(rows);
+}
+
+/** Numbers 0, 1, ..., each as often as is counted. */
+function repeated(counts) {
+  return [...counts].flatMap((count, number) => Array(count).fill(number));
+}
+
+/** Rows of vertices of bodies, each of which numbers its own from 0, with numbers of all vertices. */
+function ofSheet(rows, width, rowsCount, verticesCount) {
+  const out = new Uint32Array(rows.length);
+  let [place, first] = [0, 0];
+  rowsCount.forEach((count, body) => {
+    for (const end = place + width * count; place < end; place++) out[place] = rows[place] + first;
+    first += verticesCount[body];
+  });
+  return out;
+}
+
+function sheetForm(data) {
+  const { sheet, colours } = data;
+  const form = new Form(sheetStates(sheet, data.states.length));
+  const { triangles, trianglesFace: faces, edges } = sheet;
+  form.faces(triangles, colours.upper, FrontSide);
+  form.faces(triangles, colours.lower, BackSide);
+  for (const [letter, colour] of Object.entries(colours.edges)) {
+    const own = [];
+    for (let e = 0; e < sheet.letters.length; e++) if (sheet.letters[e] === letter) own.push(e);
+    const index = own.flatMap((e) => [edges[2 * e], edges[2 * e + 1]]);
+    if (index.length) form.lines(Uint32Array.from(index), colour);
+  }
+  const numbers = Uint32Array.from({ length: edges.length / 2 }, (_, e) => e);
+  form.marked = ({ creases, panels }) => [
+    rowsOf(triangles, 3, faces, panels),
+    rowsOf(edges, 2, numbers, creases),
+  ];
+  return form;
+}
+
+function bodyForm(data) {
+  const { bodies } = data;
+  const form = new Form(bodyStates(bodies, data.states.length).slice(0, data.panelsState + 1));
+  const owners = repeated(bodies.trianglesCount);
+  const triangles = ofSheet(bodies.triangles, 3, bodies.trianglesCount, bodies.verticesCount);
+  bodies.colours.forEach((colour, k) => {
+    const alike = bodies.bodiesColour.flatMap((own, body) => (own === k ? [body] : []));
+    form.faces(rowsOf(triangles, 3, owners, alike), colour, FrontSide);
+  });
+  const edges = ofSheet(bodies.edges, 2, bodies.edgesCount, bodies.verticesCount);
+  if (edges.length) form.lines(edges, data.colours.edges.B, { transparent: true, opacity: 0.4 });
+  form.marked = ({ creases, panels }) => {
+    const named = bodies.panels.flatMap((panel, body) =>
+      panels.includes(panel) || creases.includes(bodies.creases[body]) ? [body] : [],
+    );
+    return [rowsOf(triangles, 3, owners, named), new Uint32Array()];
+  };
+  return form;
+}
+
+/** From how far all states fit a picture, seen along axes: to the right, upwards, to the viewer. */
+function framed(states, axes, aspect) {
+  const middle = boxMiddle(states);
+  const [right, up, toward] = axes.map((axis) => axis.toArray());
+  const slope = Math.tan((FIELD_DEG / 2) * (Math.PI / 180));
+  let distance = 0;
+  for (const coords of states) {
+    for (let i = 0; i < coords.length; i += 3) {
+      const [x, y, z] = [coords[i] - middle[0], coords[i + 1] - middle[1], coords[i + 2] - middle[2]];
+      const along = (axis) => axis[0] * x + axis[1] * y + axis[2] * z;
+      const aside = Math.max(Math.abs(along(up)), Math.abs(along(right)) / aspect);
+      distance = Math.max(distance, along(toward) + (FRAME * aside) / slope);
+    }
+  }
+  return { middle, distance: distance || 1 };
+}
+
+/** What is drawn on a canvas; `forms` says which of "sheet" and "panels" there are. */
+export class FormView {
+  constructor(canvas, data) {
+    this.canvas = canvas;
+    this.forms = {};
+    if (data.sheet) this.forms.sheet = sheetForm(data);
+    if (data.bodies) this.forms.panels = bodyForm(data);
+    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.camera = new PerspectiveCamera(FIELD_DEG, 1, 1, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableZoom = false; // the wheel scrolls the page until the view is used
+    this.controls.addEventListener("change", () => this.ask());
+    this.controls.addEventListener("start", () => (this.moved = true));
+    canvas.addEventListener("focus", () => (this.controls.enableZoom = true));
+    canvas.addEventListener("blur", () => (this.controls.enableZoom = false));
+    canvas.addEventListener("pointerdown", () => canvas.focus());
+    canvas.addEventListener("keydown", (event) => this.#key(event));
+    this.lights = [new HemisphereLight(0xffffff, 0xb0a898, 1.9), new DirectionalLight(0xffffff, 1.6)];
+    this.direction = new Vector3(...data.view);
+    this.place = 0;
+    this.creases = true;
+    this.picked = { creases: [], panels: [] };
+    new ResizeObserver(() => this.#resize()).observe(canvas.parentElement);
+    this.show(Object.keys(this.forms)[0]);
+  }
+
+  show(name) {
+    this.shown = name;
+    this.form = this.forms[name];
+    this.fold(this.place);
+    this.pick(this.picked);
+    this.reset();
+  }
+
+  fold(place) {
+    this.place = place;
+    this.form.fold(place);
+    this.ask();
+  }
+
+  pick(finding) {
+    this.picked = finding;
+    this.form.light(...this.form.marked(finding), getColour("--light"));
+    this.scene = new Scene();
+    this.scene.background = new Color(getColour("--space"));
+    this.scene.add(...this.lights, ...this.form.objects, ...this.form.lit);
+    this.ask();
+  }
+
+  showCreases(shown) {
+    this.creases = shown;
+    this.ask();
+  }
+
+  reset() {
+    this.moved = false;
+    const toward = this.direction.clone().normalize();
+    const right = new Vector3(0, 0, 1).cross(toward).normalize();
+    const axes = [right, toward.clone().cross(right), toward];
+    const { middle, distance } = framed(this.form.states, axes, this.camera.aspect);
+    this.far = distance;
+    this.controls.target.set(...middle);
+    this.camera.position.copy(toward).multiplyScalar(distance).add(this.controls.target);
+    this.camera.near = this.far / 100;
+    this.camera.far = this.far * 20;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.ask();
+  }
+
+  turn(right, up) {
+    this.moved = true;
+    const way = this.camera.position.clone().sub(this.controls.target);
+    way.applyQuaternion(this.#toY);
+    const place = new Spherical().setFromVector3(way);
+    place.theta += right;
+    place.phi -= up;
+    way.setFromSpherical(place.makeSafe()).applyQuaternion(this.#fromY);
+    this.camera.position.copy(way.add(this.controls.target));
+    this.controls.update();
+    this.ask();
+  }
+
+  zoom(factor) {
+    this.moved = true;
+    const way = this.camera.position.clone().sub(this.controls.target);
+    const length = Math.min(Math.max(way.length() / factor, this.far / 50), this.far * 10);
+    this.camera.position.copy(way.setLength(length).add(this.controls.target));
+    this.controls.update();
+    this.ask();
+  }
+
+  /** Draw before the next picture of the browser, once however often it is asked. */
+  ask() {
+    this.asked ??= requestAnimationFrame(() => {
+      this.asked = undefined;
+      for (const object of this.form.objects) {
+        if (object.userData.creases) object.visible = this.creases;
+      }
+      this.lights[1].position.copy(this.camera.position).sub(this.controls.target);
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+
+  get #toY() {
+    return this.toY ??= this.#fromY.clone().invert();
+  }
+
+  get #fromY() {
+    return this.fromY ??= this.camera.quaternion.clone().setFromUnitVectors(
+      new Vector3(0, 1, 0),
+      new Vector3(0, 0, 1),
+    );
+  }
+
+  #resize() {
+    const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
+    if (!width || !height) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    if (this.moved) this.ask();
+    else this.reset();
+  }
+
+  #key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const moves = {
+      ArrowLeft: () => this.turn(-TURN_RAD, 0),
+      ArrowRight: () => this.turn(TURN_RAD, 0),
+      ArrowUp: () => this.turn(0, TURN_RAD),
+      ArrowDown: () => this.turn(0, -TURN_RAD),
+      "+": () => this.zoom(ZOOM),
+      "=": () => this.zoom(ZOOM),
+      "-": () => this.zoom(1 / ZOOM),
+      0: () => this.reset(),
+    };
+    if (!(event.key in moves)) return;
+    event.preventDefault();
+    moves[event.key]();
+  }
+}
+
+function getColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
