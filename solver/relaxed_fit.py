@@ -90,7 +90,7 @@ def relaxed_fit(
         most_sheets=1 if rigid and mesh.kind is not MeshKind.SPHERE else MOST_SHEETS,
         progress=progress,
     )
-    return _told(found, smoothing, rigid)
+    return _told(found, columns, smoothing, rigid)
 
 
 def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[str, float]]:
@@ -108,7 +108,7 @@ def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[st
     return mesh, {}
 
 
-def _told(found: SurfaceSheets, smoothing: dict[str, float], rigid: bool) -> Growth:
+def _told(found: SurfaceSheets, columns: int, smoothing: dict[str, float], rigid: bool) -> Growth:
     sheets = found.sheets
     mesh = (
         joined([sheet.mesh.cut_open() for sheet in sheets]) if len(sheets) > 1 else sheets[0].mesh
@@ -116,6 +116,7 @@ def _told(found: SurfaceSheets, smoothing: dict[str, float], rigid: bool) -> Gro
     first = sheets[0]
     chosen = {
         "sheets": float(len(sheets)),
+        "columns": float(columns),
         "zigzag": first.pleats.zigzag,
         "row_step": first.pleats.spacing,
         "thickness": first.pleats.thickness,

@@ -75,6 +75,8 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     yield f"flat {boxes['flat']} mm; folded {boxes['folded']} mm"
     if report["growth"]["coverage"] is not None:
         yield f"{report['growth']['coverage']:.1%} of the surface is under the sheet"
+    for key, goal in (report["goals"] or {}).items():
+        yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached"
 
 
 @click.command()

@@ -16,6 +16,7 @@ from fab.files import shortened
 from fab.settings import Settings
 from solver import DESIGNS, Growth
 from solver.designs.surface_fit import SURFACES
+from solver.goals import Goals
 from solver.targets.base import Target
 from solver.targets.surface_mesh import SurfaceMesh
 
@@ -42,10 +43,13 @@ class DesignSettings(Settings):
     design_class: ClassVar[type[Any]]
     code: ClassVar[str | None] = None
 
-    def design(self, folder: Path) -> tuple[GrowingDesign, tuple[Finding, ...]]:
+    def design(
+        self, folder: Path, goals: Goals | None = None
+    ) -> tuple[GrowingDesign, tuple[Finding, ...]]:
         """The design with these parameters, angles in radians, and findings of files it reads.
 
-        folder : where files that the job names are looked for. Raises `InvalidFile` for files that
+        folder : where files that the job names are looked for. goals : for the field of a design
+        whose metadata say that it takes them. Raises `InvalidFile` for files that
         cannot be used.
         """
         values = self.model_dump()
@@ -58,6 +62,9 @@ class DesignSettings(Settings):
             elif _is_target(field):
                 value, findings = _target(value, values, folder)
             given[field.name] = value
+        for field in dataclasses.fields(self.design_class):
+            if _is_of_goals(field):
+                given[field.name] = goals
         design: GrowingDesign = self.design_class(**given)
         return design, findings
 
@@ -100,11 +107,16 @@ def _target(
 
 
 def _fields(cls: type[Any]) -> list[dataclasses.Field[Any]]:
-    return [field for field in dataclasses.fields(cls) if field.init]
+    """Fields that are keys of a job."""
+    return [field for field in dataclasses.fields(cls) if field.init and not _is_of_goals(field)]
 
 
 def _is_angle(field: dataclasses.Field[Any]) -> bool:
     return bool(field.metadata.get("angle"))
+
+
+def _is_of_goals(field: dataclasses.Field[Any]) -> bool:
+    return bool(field.metadata.get("goals"))
 
 
 def _is_target(field: dataclasses.Field[Any]) -> bool:

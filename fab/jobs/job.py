@@ -12,6 +12,7 @@ from pydantic import Field, PrivateAttr, create_model, model_validator
 from fab.errors import InvalidJob
 from fab.folding.fold_settings import FoldSettings
 from fab.jobs.design_settings import SHIPPED_DESIGNS
+from fab.jobs.goal_settings import GoalSettings
 from fab.pattern.development import Development
 from fab.printing.thick_settings import ThickSettings
 from fab.settings import Settings, apply_change, checked, read_toml
@@ -91,6 +92,7 @@ class SheetSettings(ThickSettings):
     )
     tolerance: float = Field(default=1e-9, gt=0, description="of planarity and so on, relative")
     sheet: SheetSize
+    goals: GoalSettings = GoalSettings()
     perforation: PerforationSettings = PerforationSettings()
     simulation: FoldSettings | None = Field(
         default=None, description="fold the sheet from flat and judge; not where left out"

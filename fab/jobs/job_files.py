@@ -23,6 +23,7 @@ import numpy as np
 from fab import __version__
 from fab.errors import Finding, Severity, counted
 from fab.formats.fold.writer import fold_bytes
+from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
 from fab.outputs import Made, box_mm, formats_among, with_report, write
@@ -229,6 +230,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
     parts = [
         _growth(sheet),
         _measures(sheet, clock),
+        _goals(sheet),
         _fold_file(sheet, wanted, clock),
         _drawings(sheet, wanted, clock),
         _solids(sheet, wanted, clock),
@@ -321,6 +323,13 @@ def _by_pieces(pattern: CreasePattern, pairs: IntArray) -> tuple[IntArray, IntAr
     piece = labels(beside[beside[:, 1] >= 0], pattern.face_count)
     same = piece[pairs[:, 0]] == piece[pairs[:, 1]]
     return pairs[same], pairs[~same]
+
+
+def _goals(sheet: Sheet) -> _Part:
+    check = check_goals(sheet.pattern, sheet.settings, sheet.growth)
+    if check is None:
+        return _Part(report={"goals": None})
+    return _Part(findings=check.findings, report={"goals": check.report})
 
 
 def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:

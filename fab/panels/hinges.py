@@ -33,6 +33,7 @@ __all__ = [
     "hole_radius_mm",
     "least_thickness_mm",
     "require_fitting_hinges",
+    "setback_of_kinds",
 ]
 
 HingeKind: TypeAlias = Literal["web", "knuckle", "film", "none"]
@@ -218,8 +219,14 @@ def hinge_setbacks(
     Creases that fold over the limit of the panels count as folded by the limit.
     """
     kinds = crease_kinds(pattern, settings)
-    rho = np.abs(np.radians(pattern.edges_foldAngle))
-    rho = np.minimum(rho, np.radians(panel.fold_limit_deg))
+    return setback_of_kinds(kinds, pattern.edges_foldAngle, panel, settings)
+
+
+def setback_of_kinds(
+    kinds: NDArray[np.str_], angle_deg: FloatArray, panel: PanelSettings, settings: HingeSettings
+) -> FloatArray:
+    """The same of creases with hinges of some kinds that fold by angles, both of shape (ne,)."""
+    rho = np.minimum(np.abs(np.radians(angle_deg)), np.radians(panel.fold_limit_deg))
     out = np.zeros(len(rho))
     for kind, thickness in (("web", settings.web_mm), ("film", settings.film_mm)):
         out[kinds == kind] = (thickness * rho / (4 * settings.strain_max))[kinds == kind]

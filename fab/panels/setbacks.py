@@ -22,7 +22,7 @@ from fab.pattern.open_cuts import edges_between
 from solver.polygons import next_corner
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Setbacks", "Sides", "setbacks", "sides_of"]
+__all__ = ["Setbacks", "Sides", "setbacks", "setbacks_of_folds", "sides_of"]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,31 @@ def setbacks(
     if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not meet
         closing, closing_angle = closing_edges(pattern)
         shared[closing], angle[closing] = True, closing_angle[:, None]
-    half = np.radians(np.clip(angle, -limit_deg, limit_deg)) / 2
+    back = setbacks_of_folds(
+        np.clip(angle, -limit_deg, limit_deg),
+        heights_mm,
+        gap_mm=gap_mm,
+        clearance_mm=clearance_mm,
+        hinge_mm=hinge_mm,
+    )
+    return Setbacks(
+        np.where(shared, back.axis_mm, 0.0),
+        np.where(shared, back.above, 0.0),
+        np.where(shared, back.below, 0.0),
+        np.where(shared, back.clearance_mm, np.nan),
+    )
+
+
+def setbacks_of_folds(
+    angle_deg: FloatArray,
+    heights_mm: tuple[float, float],
+    *,
+    gap_mm: float,
+    clearance_mm: float,
+    hinge_mm: FloatArray,
+) -> Setbacks:
+    """Setbacks from creases that fold by these angles, degrees, shape (ne,); see `setbacks`."""
+    half = np.radians(angle_deg) / 2
     slope = np.tan(np.minimum(np.abs(half), np.pi / 2))
     valley = half > 0
     low, high = heights_mm
@@ -85,15 +109,9 @@ def setbacks(
         needed = (clearance_mm / 2 - off * sine) / cosine
     needed[np.isnan(needed)] = 0.0
     axis = np.maximum(np.maximum(gap_mm / 2, needed), hinge_mm)
-    axis[~shared] = 0.0
     with np.errstate(invalid="ignore"):
         clearance = 2 * (axis * cosine + off * sine)
-    return Setbacks(
-        axis,
-        np.where(shared & valley, slope, 0.0),
-        np.where(shared & ~valley, slope, 0.0),
-        np.where(shared, clearance, np.nan),
-    )
+    return Setbacks(axis, np.where(valley, slope, 0.0), np.where(valley, 0.0, slope), clearance)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ import numpy as np
 from solver.designs.shells import SHELLS
 from solver.errors import InvalidValue
 from solver.fitting import fit_surface
+from solver.goals import Goals
 from solver.growth import Growth
 from solver.targets.base import Target
 from solver.targets.parametric import ParametricSurface
@@ -115,6 +116,7 @@ class SurfaceFit:
         next two are for growth alone.
     rows_may_end : whether a front goes on without vertices at its side that miss their offset.
     lookahead : whether settings that stop are tried again with one strip of lookahead.
+    goals : of makers, to which a relaxed sheet comes as near as it can.
     """
 
     surface: str | Target | SurfaceMesh = field(default="waves", metadata={"target": True})
@@ -129,6 +131,7 @@ class SurfaceFit:
     cost: str = "mirror"
     rows_may_end: bool = False
     lookahead: bool = False
+    goals: Goals | None = field(default=None, metadata={"goals": True})
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
@@ -166,6 +169,7 @@ class SurfaceFit:
                 row_step=self.row_step,
                 turn=self.turn,
                 rigid=self.rigid,
+                goals=self.goals,
                 progress=progress,
             )
         if self.rigid:

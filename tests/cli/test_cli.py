@@ -416,9 +416,10 @@ def test_the_job_of_the_readme_is_a_job():
     from fab.jobs.job import parse_job
 
     blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    job, dome, grown = map(tomllib.loads, blocks)
+    job, dome, goals, grown = map(tomllib.loads, blocks)
     assert parse_job(job).name == "miura"
     assert parse_job(dome).sheet.folded_width_mm == 300.0
+    assert parse_job({**dome, **goals}).goals.least_side_mm == 8.0
     assert parse_job({**job, **grown}).design.method == "grow"
 
 

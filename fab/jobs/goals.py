@@ -1,0 +1,184 @@
+"""Makers' goals of a job: what its design is told of them, and what was reached."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fab.errors import Finding, Severity, counted, first_few
+from fab.jobs.job import SheetSettings
+from fab.panels.feasibility import Feasibility
+from fab.panels.inset_limits import inradii, rounded_down, rounded_up
+from fab.panels.panel_room import panel_room
+from fab.panels.setbacks import Sides, sides_of
+from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.development import develop
+from solver import Growth
+from solver.goals import Bounds, Goals
+from solver.mesh import QuadMesh
+from solver.polygons import next_corner
+from solver.vectors import FloatArray
+
+__all__ = ["GoalsCheck", "check_goals", "design_goals"]
+
+# Bounds count as met within rounding.
+_MET = 1e-9
+_CELL = "Another zigzag, row_step, thickness or turn_deg of the design may help"
+
+
+def design_goals(settings: SheetSettings) -> Goals | None:
+    """What the design of a job is told; None where there is no goal.
+
+    Where a job has a table of panels or of hinges, faces are to have room for them.
+    """
+    goals = settings.goals
+    room = None
+    if _has_panels(settings):
+        thick = settings.printed(settings.print_with(settings.folder))
+        room = panel_room(thick.panels, thick.hinges)
+    bounds = Bounds(
+        least_side=goals.least_side_mm or 0.0,
+        least_inradius=goals.least_inradius_mm or 0.0,
+        least_sector=math.radians(goals.least_sector_deg or 0.0),
+        most_fold=math.radians(goals.most_fold_deg or 180.0),
+        panels=room,
+    )
+    if bounds == Bounds():
+        return None
+
+    def mm(sheet: QuadMesh, folded: FloatArray) -> float:
+        return 1 / settings.sheet.scale(develop(sheet.cut_open()), folded)
+
+    return Goals(bounds, mm)
+
+
+@dataclass(frozen=True)
+class GoalsCheck:
+    """Each goal of a job with its bound and what was reached, and findings of those missed."""
+
+    report: dict[str, Any]
+    findings: tuple[Finding, ...]
+
+
+def check_goals(
+    pattern: CreasePattern, settings: SheetSettings, growth: Growth | None
+) -> GoalsCheck | None:
+    """Judge a sheet by the goals of its job; None where it has none.
+
+    Room for panels is a goal of sheets that were relaxed; others are told when panels are made.
+    """
+    goals, sides = settings.goals, sides_of(pattern)
+    columns = None if growth is None else growth.chosen.get("columns")
+    report: dict[str, Any] = {}
+    findings: list[Finding] = []
+    for key, measure in (
+        ("least_side_mm", _side),
+        ("least_inradius_mm", _inradius),
+        ("least_sector_deg", _sector),
+        ("most_fold_deg", _fold),
+    ):
+        bound = getattr(goals, key)
+        if bound is None:
+            continue
+        found = measure(pattern, sides)
+        short = bound - found.reached if key.startswith("least") else found.reached - bound
+        met = short <= _MET * bound
+        report[key] = {"bound": bound, "reached": found.reached, "met": met}
+        if not met:
+            cure = f"{_CELL}; {found.rounded} is within reach."
+            if key.endswith("_mm"):
+                cure = _larger(bound, found.reached, columns)
+            text = f"goals.{key} = {bound:g} is missed: {found.text}. {cure}"
+            places = found.creases, found.panels
+            findings.append(Finding("goal-missed", Severity.WARNING, text, *places))
+    if _has_panels(settings) and growth is not None and growth.deviations is not None:
+        room = _panels(pattern, settings)
+        report["panels"] = room.report
+        findings += room.findings
+    return GoalsCheck(report, tuple(findings)) if report else None
+
+
+def _has_panels(settings: SheetSettings) -> bool:
+    return bool({"panels", "hinges"} & settings.model_fields_set)
+
+
+def _panels(pattern: CreasePattern, settings: SheetSettings) -> GoalsCheck:
+    """Faces that have a panel, by the window of thickness and size in which all of them have."""
+    thick = settings.printed(settings.print_with(settings.folder))
+    feasibility = Feasibility(pattern, thick.panels, thick.hinges)
+    lost = np.flatnonzero(~feasibility.faces_feasible())
+    met = not len(lost)
+    report = {"bound": pattern.face_count, "reached": pattern.face_count - len(lost), "met": met}
+    if met:
+        return GoalsCheck(report, ())
+    thickness, scale = feasibility.largest_thickness_mm(), feasibility.least_scale()
+    cures = []
+    if thickness is not None:
+        cures.append(f"panels.thickness_mm at most {rounded_down(thickness)}")
+    if scale is not None:
+        cures.append(f"a sheet {rounded_up(scale)} times as large")
+    cures.append("a lower panels.fold_limit_deg" if not cures else "fewer columns")
+    text = (
+        f"the table of panels asks for room in all {counted(pattern.face_count, 'face')}: "
+        f"{counted(len(lost), 'face has', 'faces have')} no panel of "
+        f"{thick.panels.thickness_mm:g} mm. All have one with {', or '.join(cures)}."
+    )
+    return GoalsCheck(
+        report, (Finding("goal-missed", Severity.WARNING, text, panels=first_few(lost)),)
+    )
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """What a goal bounds, where it is least or most, and that number rounded to the safe side."""
+
+    reached: float
+    rounded: str
+    text: str
+    creases: tuple[int, ...] = ()
+    panels: tuple[int, ...] = ()
+
+
+def _side(_: CreasePattern, sides: Sides) -> _Measured:
+    k = int(sides.length_mm.argmin())
+    edge, rounded = int(sides.edges[k]), rounded_down(sides.length_mm[k])
+    text = f"edge {edge} is {rounded} mm long"
+    return _Measured(float(sides.length_mm[k]), rounded, text, creases=(edge,))
+
+
+def _inradius(pattern: CreasePattern, sides: Sides) -> _Measured:
+    radii = np.maximum(inradii(sides, np.zeros(len(pattern.edges_vertices))), 0.0)
+    face = int(radii.argmin())
+    rounded = rounded_down(radii[face])
+    text = f"the widest circle in face {face} has a radius of {rounded} mm"
+    return _Measured(float(radii[face]), rounded, text, panels=(face,))
+
+
+def _sector(_: CreasePattern, sides: Sides) -> _Measured:
+    after = next_corner(sides.offsets)
+    u, v = sides.along, sides.along[after]
+    turn = np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1))
+    angles = np.degrees(np.pi - turn)
+    k = int(angles.argmin())
+    face, rounded = int(sides.faces[k]), rounded_down(angles[k])
+    text = f"face {face} has a corner of {rounded} degrees"
+    return _Measured(float(angles[k]), rounded, text, panels=(face,))
+
+
+def _fold(pattern: CreasePattern, _: Sides) -> _Measured:
+    size = np.abs(pattern.edges_foldAngle)
+    edge = int(size.argmax())
+    rounded = rounded_up(size[edge])
+    return _Measured(float(size[edge]), rounded, f"crease {edge} folds by {rounded}", (edge,))
+
+
+def _larger(bound: float, reached: float, columns: float | None) -> str:
+    if reached <= 0:
+        return "Give fewer columns."
+    text = f"A sheet {rounded_up(bound / reached)} times as large reaches it"
+    if columns is not None and columns * reached / bound >= 4:
+        text += f", and perhaps one with {int(columns * reached / bound)} columns"
+    return f"{text}."
