@@ -83,6 +83,7 @@ class Growth:
     chosen : what the design chose where it was left free, by name.
     deviations : signed distances of vertices from their offsets of a target, where the sheet was
         relaxed onto it; None where it was grown, exactly on them.
+    distance : the largest one of a vertex from a target that the sheet was relaxed onto.
     """
 
     mesh: QuadMesh
@@ -92,6 +93,7 @@ class Growth:
     coverage: float | None = None
     chosen: Mapping[str, float] = field(default_factory=dict)
     deviations: FloatArray | None = None
+    distance: float | None = None
 
 
 def grow(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,7 +15,9 @@ from solver.growth import Growth, Status
 from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats
 from solver.relaxation.sheet_fit import Wishes
+from solver.resolution import fewest_columns
 from solver.surface_sheets import (
+    MOST_COLUMNS,
     MOST_SHEETS,
     PLEATS,
     TURNS,
@@ -27,10 +30,12 @@ from solver.targets.smoothing import smoothed, smoothing_length
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["joined", "relaxed_fit", "sampled"]
+__all__ = ["joined", "relaxed_fit", "resolved_fit", "sampled"]
 
 # Quads along either parameter by which a surface with formulas is sampled.
 _SAMPLES = 96
+# Columns of the first sheet by which others are chosen.
+_FIRST = 14
 # Samples at its sides are the same where they are nearer than this share of its size.
 _SAME = 1e-9
 
@@ -93,6 +98,46 @@ def relaxed_fit(
     return _told(found, columns, smoothing, rigid)
 
 
+def resolved_fit(
+    fit: Callable[[int], Growth],
+    *,
+    cell: float | None = None,
+    distance: float | None = None,
+    unit: Callable[[QuadMesh], float] | None = None,
+) -> Growth:
+    """Sheets of as few columns as have quads, or distances from the surface, of a given size.
+
+    Parameters
+    ----------
+    fit : sheets of so many columns, as `relaxed_fit` makes them.
+    cell, distance : the width of a quad, and the largest distance of a vertex from the surface,
+        which are to be kept; one of the two.
+    unit : of either, in units of a sheet, asked of the sheet; None: it is theirs.
+
+    Status NOT_FITTED says where no sheet of at most 400 columns is as fine.
+    """
+    name, bound = ("cell", cell) if distance is None else ("deviation", distance)
+    if bound is None:
+        raise InvalidState("cell", "neither cell nor distance is given", "Give one of them.")
+    require_within(name, bound, 0.0, np.inf, "It is a length.")
+
+    def size(growth: Growth) -> float:
+        found = growth.chosen["step"] if distance is None else growth.distance
+        assert found is not None  # of relaxed sheets
+        return found / (1.0 if unit is None else unit(growth.mesh))
+
+    found = fewest_columns(fit, size, bound, first=_FIRST, least=4, most=MOST_COLUMNS)
+    growth = found.sheet
+    if found.held or growth.status is not Status.GROWN:
+        return growth
+    reached = found.sizes[found.columns]
+    advice = (
+        f"Of {len(found.sizes)} sheets tried that of {found.columns} columns comes nearest to "
+        f"{name} = {bound:g}, with {reached:.4g}. Allow that, or give columns."
+    )
+    return replace(growth, status=Status.NOT_FITTED, advice=advice)
+
+
 def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[str, float]]:
     """The surface that is followed, and what is told of its smoothing; nothing where it is none."""
     length = smoothing_length(mesh, cell)
@@ -136,7 +181,8 @@ def _told(found: SurfaceSheets, columns: int, smoothing: dict[str, float], rigid
     if bad:
         status = Status.NOT_FITTED
         advice = " ".join(_advice(number, sheet, len(sheets)) for number, sheet in bad)
-    return Growth(mesh, rows, status, advice, found.coverage, chosen, deviations)
+    distance = max(sheet.distance for sheet in sheets)
+    return Growth(mesh, rows, status, advice, found.coverage, chosen, deviations, distance)
 
 
 def _advice(number: int, sheet: SurfaceSheet, count: int) -> str:

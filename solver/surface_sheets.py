@@ -39,7 +39,15 @@ from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import FloatArray, angle_between
 
-__all__ = ["MOST_SHEETS", "PLEATS", "TURNS", "SurfaceSheet", "SurfaceSheets", "surface_sheets"]
+__all__ = [
+    "MOST_COLUMNS",
+    "MOST_SHEETS",
+    "PLEATS",
+    "TURNS",
+    "SurfaceSheet",
+    "SurfaceSheets",
+    "surface_sheets",
+]
 
 # Cells that are tried, the most usual first, and directions from the map's longest extent.
 PLEATS = (
@@ -71,7 +79,7 @@ _OFF = 0.15
 _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
-_MOST_COLUMNS = 400
+MOST_COLUMNS = 400
 # A surface is halved at most twice.
 MOST_SHEETS = 4
 
@@ -90,6 +98,7 @@ class SurfaceSheet:
     least_sector : smallest sector angle, radians.
     missed : by how much goals are missed, shares of their bounds summed up.
     step : unit of the cell. pleats, turn : what was chosen.
+    distance : the largest one of a vertex from the surface, in its units.
     """
 
     mesh: QuadMesh
@@ -104,6 +113,7 @@ class SurfaceSheet:
     step: float
     pleats: Pleats
     turn: float
+    distance: float
     missed: float = 0.0
 
     @property
@@ -194,9 +204,9 @@ def surface_sheets(
     (True, 1, True)
     """
     require_count("columns", columns, 4, "A sheet needs vertices to follow a surface.")
-    if columns > _MOST_COLUMNS:
+    if columns > MOST_COLUMNS:
         raise InvalidValue(
-            "columns", columns, f"be at most {_MOST_COLUMNS}", "More would take hours."
+            "columns", columns, f"be at most {MOST_COLUMNS}", "More would take hours."
         )
     require_count("most_sheets", most_sheets, 1, "The surface needs one.")
     search = _Search(
@@ -340,19 +350,21 @@ class _Search:
         if not sheet.closed:
             mesh = trimmed(target, mesh, None if wanted is None else wanted.faces_fine)
         held = [(mesh.vertices_coords, mesh.faces_vertices)]
+        off, used = fit.deviations * sheet.cell.step, np.unique(sheet.faces_vertices)
         made = SurfaceSheet(
             mesh,
             target.mesh,
             fit.relaxation.status,
             fit.relaxation.advice,
             fit.relaxation.rounds,
-            fit.deviations * sheet.cell.step,
+            off,
             float(covered(target, held, 2 * sheet.cell.thickness).mean()),
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
             _least_sector(mesh),
             sheet.cell.step / pleats.stretch,
             pleats,
             laid.turn,
+            float(np.abs(off + sheet.offsets[used]).max(initial=0.0)),
         )
         return made, fit.relaxation.coords
 

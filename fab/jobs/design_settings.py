@@ -17,6 +17,7 @@ from fab.settings import Settings
 from solver import DESIGNS, Growth
 from solver.designs.surface_fit import SURFACES
 from solver.goals import Goals
+from solver.mesh import QuadMesh
 from solver.targets.base import Target
 from solver.targets.surface_mesh import SurfaceMesh
 
@@ -44,12 +45,16 @@ class DesignSettings(Settings):
     code: ClassVar[str | None] = None
 
     def design(
-        self, folder: Path, goals: Goals | None = None
+        self,
+        folder: Path,
+        goals: Goals | None = None,
+        unit: Callable[[QuadMesh], float] | None = None,
     ) -> tuple[GrowingDesign, tuple[Finding, ...]]:
         """The design with these parameters, angles in radians, and findings of files it reads.
 
-        folder : where files that the job names are looked for. goals : for the field of a design
-        whose metadata say that it takes them. Raises `InvalidFile` for files that
+        folder : where files that the job names are looked for. goals, unit : for fields of a
+        design whose metadata say that they are given so; the unit is a mm, in units of a sheet.
+        Raises `InvalidFile` for files that
         cannot be used.
         """
         values = self.model_dump()
@@ -63,8 +68,8 @@ class DesignSettings(Settings):
                 value, findings = _target(value, values, folder)
             given[field.name] = value
         for field in dataclasses.fields(self.design_class):
-            if _is_of_goals(field):
-                given[field.name] = goals
+            if _given_as(field):
+                given[field.name] = {"goals": goals, "unit": unit}[_given_as(field)]
         design: GrowingDesign = self.design_class(**given)
         return design, findings
 
@@ -108,15 +113,16 @@ def _target(
 
 def _fields(cls: type[Any]) -> list[dataclasses.Field[Any]]:
     """Fields that are keys of a job."""
-    return [field for field in dataclasses.fields(cls) if field.init and not _is_of_goals(field)]
+    return [field for field in dataclasses.fields(cls) if field.init and not _given_as(field)]
 
 
 def _is_angle(field: dataclasses.Field[Any]) -> bool:
     return bool(field.metadata.get("angle"))
 
 
-def _is_of_goals(field: dataclasses.Field[Any]) -> bool:
-    return bool(field.metadata.get("goals"))
+def _given_as(field: dataclasses.Field[Any]) -> str:
+    """What a job gives to a field that is none of its keys, or nothing."""
+    return str(field.metadata.get("given", ""))
 
 
 def _is_target(field: dataclasses.Field[Any]) -> bool:
@@ -124,7 +130,9 @@ def _is_target(field: dataclasses.Field[Any]) -> bool:
 
 
 def design_key(field: dataclasses.Field[Any]) -> str:
-    """The key of a design's field in a job: angles are given in degrees, and named so."""
+    """The key of a design's field in a job: angles are in degrees, lengths in mm, named so."""
+    if field.metadata.get("length"):
+        return f"{field.name}_mm"
     return f"{field.name}_deg" if _is_angle(field) else field.name
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from fab.errors import Finding, Severity, counted, first_few
-from fab.jobs.job import SheetSettings
+from fab.jobs.job import SheetSettings, SheetSize
 from fab.panels.feasibility import Feasibility
 from fab.panels.inset_limits import inradii, rounded_down, rounded_up
 from fab.panels.panel_room import panel_room
@@ -22,7 +23,7 @@ from solver.mesh import QuadMesh
 from solver.polygons import next_corner
 from solver.vectors import FloatArray
 
-__all__ = ["GoalsCheck", "check_goals", "design_goals"]
+__all__ = ["GoalsCheck", "check_goals", "design_goals", "design_unit"]
 
 # Bounds count as met within rounding.
 _MET = 1e-9
@@ -49,10 +50,16 @@ def design_goals(settings: SheetSettings) -> Goals | None:
     if bounds == Bounds():
         return None
 
-    def mm(sheet: QuadMesh, folded: FloatArray) -> float:
-        return 1 / settings.sheet.scale(develop(sheet.cut_open()), folded)
+    return Goals(bounds, lambda sheet, folded: _mm(settings.sheet, sheet, folded))
 
-    return Goals(bounds, mm)
+
+def design_unit(size: SheetSize) -> Callable[[QuadMesh], float]:
+    """The length of a mm in units of a sheet, asked of the sheet."""
+    return lambda sheet: _mm(size, sheet, sheet.vertices_coords)
+
+
+def _mm(size: SheetSize, sheet: QuadMesh, folded: FloatArray) -> float:
+    return 1 / size.scale(develop(sheet.cut_open()), folded)
 
 
 @dataclass(frozen=True)

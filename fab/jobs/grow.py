@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
-from fab.jobs.goals import design_goals
+from fab.jobs.goals import design_goals, design_unit
 from fab.jobs.job import Job, SheetSize
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
@@ -64,7 +64,7 @@ class Grown:
 def grown(job: Job, clock: Clock) -> Grown:
     """Grow a job's sheet and unfold it."""
     with clock.stage("grow") as step, _named(job):
-        design, findings = job.design.design(job.folder, design_goals(job))
+        design, findings = job.design.design(job.folder, design_goals(job), design_unit(job.sheet))
         growth = design.grow(step)
         if not isinstance(growth, Growth):
             raise InvalidJob(f"design: `grow` must return a Growth, not {type(growth).__name__}.")

@@ -266,7 +266,11 @@ def _growth(sheet: Sheet) -> _Part:
     if growth.coverage is not None:
         report["method"] = "grow" if growth.deviations is None else "relax"
     if growth.deviations is not None:
-        report["deviation"] = _deviation(growth.deviations * _mm_per_unit(sheet))
+        mm = _mm_per_unit(sheet)
+        report["deviation"] = _deviation(growth.deviations * mm)
+        report["cell_mm"] = growth.chosen["step"] * mm
+    if growth.distance is not None:
+        report["distance_max_mm"] = growth.distance * mm
     findings = [*sheet.findings, *growth_findings(growth), *overlaps]
     return _Part(findings=findings, report={"growth": report})
 

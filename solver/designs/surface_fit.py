@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.goals import Goals
 from solver.growth import Growth
+from solver.mesh import QuadMesh
 from solver.targets.base import Target
 from solver.targets.parametric import ParametricSurface
 from solver.targets.surface_mesh import SurfaceMesh
@@ -19,6 +21,9 @@ from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["SURFACES", "SurfaceFit"]
 
+Unit: TypeAlias = Callable[[QuadMesh], float]
+
+_COLUMNS = 40
 _METHODS = ("auto", "grow", "relax")
 
 _ROUND = 0.75 * np.pi  # half of what the cylinders cover of a turn
@@ -104,7 +109,11 @@ class SurfaceFit:
         `SurfaceMesh`, which can only be relaxed onto.
     method : grow, relax, or auto: a `SurfaceMesh` is relaxed onto, and so is what folds rigidly;
         everything else is grown on.
-    columns : m, number of quads across the surface's domain, along v.
+    columns : m, number of quads across the surface's domain, along v; 40 where neither this nor
+        one of the next two is given.
+    cell, deviation : for relaxed sheets, in place of columns: the largest width of a quad, or the
+        largest distance of a vertex from the surface, half the thickness with it. As few columns
+        are taken as keep it.
     thickness : distance of the two offset surfaces, in steps of v.
     zigzag : swing of the seed's rows along u, in steps of v; None: chosen.
     row_step : distance of the seed's rows along u, in steps of v; None: chosen.
@@ -117,11 +126,14 @@ class SurfaceFit:
     rows_may_end : whether a front goes on without vertices at its side that miss their offset.
     lookahead : whether settings that stop are tried again with one strip of lookahead.
     goals : of makers, to which a relaxed sheet comes as near as it can.
+    unit : of cell and deviation, in units of a sheet, asked of it; None: it is theirs.
     """
 
     surface: str | Target | SurfaceMesh = field(default="waves", metadata={"target": True})
     method: str = "auto"
-    columns: int = 40
+    columns: int | None = None
+    cell: float | None = field(default=None, metadata={"length": True})
+    deviation: float | None = field(default=None, metadata={"length": True})
     thickness: float = 1.0
     zigzag: float | None = None
     row_step: float | None = None
@@ -131,7 +143,8 @@ class SurfaceFit:
     cost: str = "mirror"
     rows_may_end: bool = False
     lookahead: bool = False
-    goals: Goals | None = field(default=None, metadata={"goals": True})
+    goals: Goals | None = field(default=None, metadata={"given": "goals"})
+    unit: Unit | None = field(default=None, metadata={"given": "unit"})
 
     def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
         """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
@@ -155,23 +168,15 @@ class SurfaceFit:
             raise InvalidValue(
                 "method", self.method, f"be one of {names}", "Leave it out for auto."
             )
+        columns = self._columns()
         whole = isinstance(target, SurfaceMesh)
         if self.method == "relax" or (self.method == "auto" and (whole or self.rigid)):
-            # as many modules as all of growth, and only needed here
-            from solver.relaxed_fit import relaxed_fit, sampled
-
             self._require_no_choice_of_growth()
-            return relaxed_fit(
-                target if isinstance(target, SurfaceMesh) else sampled(target),
-                self.columns,
-                thickness=self.thickness,
-                zigzag=self.zigzag,
-                row_step=self.row_step,
-                turn=self.turn,
-                rigid=self.rigid,
-                goals=self.goals,
-                progress=progress,
-            )
+            return self._relaxed(target, progress)
+        for name in ("cell", "deviation"):
+            if getattr(self, name) is not None:
+                cure = "Give columns, or method = relax."
+                raise InvalidValue(name, getattr(self, name), "be left out for growth", cure)
         if self.rigid:
             cure = "Leave method out: a sheet that folds rigidly is relaxed."
             raise InvalidValue("rigid", "true", "be false for a grown sheet", cure)
@@ -180,7 +185,7 @@ class SurfaceFit:
             raise InvalidValue("method", "grow", "be relax for a SurfaceMesh", cure)
         return fit_surface(
             target,
-            self.columns,
+            columns,
             thickness=self.thickness,
             zigzag=self.zigzag,
             row_step=self.row_step,
@@ -191,6 +196,41 @@ class SurfaceFit:
             lookahead=self.lookahead,
             progress=progress,
         )
+
+    def _columns(self) -> int:
+        """Raises `InvalidValue` where more than one of columns, cell and deviation is given."""
+        given = [
+            name for name in ("columns", "cell", "deviation") if getattr(self, name) is not None
+        ]
+        if len(given) > 1:
+            cure = f"Leave out all but one of {', '.join(given)}."
+            raise InvalidValue(given[1], getattr(self, given[1]), f"be without {given[0]}", cure)
+        return _COLUMNS if self.columns is None else self.columns
+
+    def _relaxed(
+        self, target: Target | SurfaceMesh, progress: Callable[[int, int], None] | None
+    ) -> Growth:
+        # as many modules as all of growth, and only needed here
+        from solver.relaxed_fit import relaxed_fit, resolved_fit, sampled
+
+        mesh = target if isinstance(target, SurfaceMesh) else sampled(target)
+
+        def fit(columns: int) -> Growth:
+            return relaxed_fit(
+                mesh,
+                columns,
+                thickness=self.thickness,
+                zigzag=self.zigzag,
+                row_step=self.row_step,
+                turn=self.turn,
+                rigid=self.rigid,
+                goals=self.goals,
+                progress=progress,
+            )
+
+        if self.cell is None and self.deviation is None:
+            return fit(self._columns())
+        return resolved_fit(fit, cell=self.cell, distance=self.deviation, unit=self.unit)
 
     def _require_no_choice_of_growth(self) -> None:
         usual = (("cost", "mirror"), ("rows_may_end", False), ("lookahead", False))

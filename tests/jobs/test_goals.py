@@ -160,3 +160,17 @@ def test_run_prints_what_was_reached(tmp_path):
     result = CliRunner().invoke(main, arguments)
     assert "most_fold_deg = 120: 90 reached" in result.output
     assert "warning: goal-missed: goals.least_side_mm = 50 is missed" in result.output
+
+
+def test_cells_are_as_wide_as_a_job_says():
+    design = {key: value for key, value in SHELL.items() if key != "columns"}
+    document = {"name": "g", "sheet": {"folded_width_mm": 200.0}}
+    report = make(parse_job(document | {"design": design | {"cell_mm": 25.0}}), ["fold"]).report
+    assert 20.0 < report["growth"]["cell_mm"] <= 25.0
+    assert report["growth"]["distance_max_mm"] < 25.0
+    assert report["growth"]["status"] == "grown"
+    for given in ({"columns": 8, "cell_mm": 25.0}, {"cell_mm": 25.0, "deviation_mm": 9.0}):
+        with pytest.raises(InvalidJob, match="Leave out all but one of"):
+            made(design | given)
+    with pytest.raises(InvalidJob, match=r"design\.cell_mm: cell = 25.0 .* be left out for growth"):
+        made(design | {"cell_mm": 25.0, "method": "grow"})
