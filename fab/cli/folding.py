@@ -23,7 +23,7 @@ from fab.cli.options import (
     reading_options,
     size_options,
 )
-from fab.errors import Finding, InvalidJob
+from fab.errors import Finding, InvalidJob, counted
 
 if TYPE_CHECKING:
     from fab.folding.fold_settings import FoldSettings
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fab.pattern.crease_pattern import CreasePattern
     from fab.progress import Progress
 
-__all__ = ["simulate"]
+__all__ = ["animate", "simulate"]
 
 
 @click.command()
@@ -116,6 +116,94 @@ def simulate(
             )
 
         deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)
+
+
+@click.command()
+@FILE
+@OUT
+@click.option(
+    "--show",
+    type=click.Choice(["growth", "folding", "both"]),
+    default=None,
+    help="What is shown (default: both of a job, folding of a pattern).",
+)
+@click.option("--states", default=None, type=int, help="Steps from flat to folded (default: 30).")
+@size_options
+@reading_options
+@only("gif, mp4 or both (default: gif, and mp4 where an encoder is installed).")
+@dry_run("Draw everything, write nothing.")
+@ALLOW_CODE
+def animate(
+    file: Path,
+    out: Path,
+    show: str | None,
+    states: int | None,
+    size: Size,
+    options: ReadOptions,
+    only: str | None,
+    dry_run: bool,
+    allow_code: bool,
+) -> None:
+    """Animate how a sheet grows, strip by strip, and how it folds.
+
+    FILE is a job (TOML), or a crease pattern: FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ. A pattern
+    does not say how it grew, so its folding is shown alone: along its rigid motion where it has
+    one, else as it is simulated.
+    """
+    with answers() as interrupts:
+        from fab.jobs.animation_files import AnimationFormat, Shown, animate, formats_here
+        from fab.jobs.grow import grown, growth_findings
+        from fab.outputs import plain_title
+        from fab.progress import Clock
+
+        formats = formats_of(only, AnimationFormat) or formats_here()
+        job = _job_of(file, None, allow_code)
+        if job is not None:
+            _require_none(file, options, size)
+        kinds = {None: None, "both": list(Shown)}
+        shown = kinds[show] if show in kinds else [Shown(str(show))]
+        if job is None and shown is not None and Shown.GROWTH in shown:
+            raise InvalidJob(
+                f"--show {show}: {file} is a crease pattern, which does not say how it grew. Give "
+                "a job (TOML), or leave out --show."
+            )
+        name = plain_title(file.stem) if job is None else job.name
+        settings = None if states is None else _settings(None, states)
+        if settings is not None and job is not None and job.simulation is not None:
+            settings = job.simulation.model_copy(update={"steps": settings.steps})
+
+        def make(progress: Progress) -> Made:
+            if job is None:
+                pattern, findings = _pattern(file, None, options, size, progress)
+                return animate(
+                    pattern,
+                    name,
+                    shown=shown,
+                    formats=formats,
+                    settings=settings,
+                    findings=findings,
+                    progress=progress,
+                )
+            sheet = grown(job, Clock(progress))
+            return animate(
+                sheet,
+                name,
+                shown=shown,
+                formats=formats,
+                settings=settings,
+                findings=[*sheet.findings, *growth_findings(sheet.growth)],
+                progress=progress,
+            )
+
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_animated)
+
+
+def _animated(report: Mapping[str, Any]) -> Iterator[str]:
+    if "strips" in report:
+        yield f"grows in {counted(report['strips'], 'strip')}"
+    if "states" in report:
+        how = "rigidly, its faces flat" if report["rigid"] else "as it is simulated"
+        yield f"folds {how}: {counted(report['states'], 'state')}"
 
 
 def _job_of(file: Path, states: int | None, allow_code: bool) -> Job | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import click
 
 from fab.cli.figures import figure
-from fab.cli.folding import simulate
+from fab.cli.folding import animate, simulate
 from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
 from fab.cli.patterns import check, convert
@@ -25,7 +25,7 @@ def main() -> None:
 
 
 for command in (
-    *(run, fabricate, thicken, simulate, coupon, shipped, templates, new, check, convert),
+    *(run, fabricate, thicken, simulate, animate, coupon, shipped, templates, new, check, convert),
     figure,
 ):
     main.add_command(command)

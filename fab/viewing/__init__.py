@@ -14,5 +14,5 @@ Pictures of a scene: `sheet_picture` (folded form and crease pattern), `folding_
 states, also as a movie), `thick_picture` (bodies and plates), `reading_picture` (what was read from
 a file). They are drawn by `drawing` in boxes of a `canvas`, seen by a `camera` as `view_choice`
 says, from triangles (`shapes`, `face_triangles`) that are lit by `painting`, hidden by `raster`.
-`movie_files` makes GIF and MP4 files of pictures.
+`growth_picture` shows a sheet strip by strip; `movie_files` makes GIF and MP4 files of pictures.
 """

@@ -49,7 +49,9 @@ def gif_bytes(pictures: Sequence[Any], order: Sequence[int], times_ms: Sequence[
     strip = Image.new("RGB", (width, height * len(samples)))
     for number, sample in enumerate(samples):
         strip.paste(sample, (0, number * height))
-    palette = strip.quantize(_COLOURS, Image.Quantize.MEDIANCUT)
+    found = strip.quantize(_COLOURS, Image.Quantize.MEDIANCUT).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *found[: 3 * _COLOURS]])  # the background stays white
     small = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     frames = [small[k] for k in order]
     out = io.BytesIO()
