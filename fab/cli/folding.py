@@ -102,7 +102,7 @@ def simulate(
         settings = _settings(job, states)
 
         def make(progress: Progress) -> Made:
-            pattern, findings = _pattern(file, job, options, size, progress)
+            pattern, findings, upright = _pattern(file, job, options, size, progress)
             return simulate(
                 pattern,
                 name,
@@ -113,6 +113,7 @@ def simulate(
                 progress=progress,
                 tolerance_deg=tolerance_deg,
                 fold_flat=fold_flat,
+                upright=upright,
             )
 
         deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)
@@ -174,7 +175,7 @@ def animate(
 
         def make(progress: Progress) -> Made:
             if job is None:
-                pattern, findings = _pattern(file, None, options, size, progress)
+                pattern, findings, _ = _pattern(file, None, options, size, progress)
                 return animate(
                     pattern,
                     name,
@@ -237,17 +238,20 @@ def _settings(job: Job | None, states: int | None) -> FoldSettings:
 
 def _pattern(
     file: Path, job: Job | None, options: ReadOptions, size: Size, progress: Progress
-) -> tuple[CreasePattern, Sequence[Finding]]:
-    """The crease pattern to fold: grown for a job, or read."""
+) -> tuple[CreasePattern, Sequence[Finding], bool]:
+    """The pattern to fold, grown for a job, or read; its findings; whether it stands upright."""
     if job is not None:
-        from fab.jobs.grow import grown_pattern
+        from fab.jobs.grow import grown, growth_findings
+        from fab.progress import Clock
 
-        return grown_pattern(job, progress)
+        sheet = grown(job, Clock(progress))
+        findings = [*sheet.findings, *growth_findings(sheet.growth)]
+        return sheet.pattern, findings, sheet.target is not None
     from fab.formats.pattern_file import resized
     from fab.jobs.reading import read_any
 
     read = resized(read_any([file], options), width_mm=size.width_mm, factor=size.factor)
-    return read.pattern, read.findings
+    return read.pattern, read.findings, False
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
