@@ -155,21 +155,23 @@ function bodyForm(data) {
   return form;
 }
 
-/** From how far all states fit a picture, seen along axes: to the right, upwards, to the viewer. */
-function framed(states, axes, aspect) {
-  const middle = boxMiddle(states);
+/**
+ * From how far each state fits a picture whose middle is `middle`, seen along axes: to the right,
+ * upwards, to the viewer.
+ */
+function distances(states, middle, axes, aspect) {
   const [right, up, toward] = axes.map((axis) => axis.toArray());
   const slope = Math.tan((FIELD_DEG / 2) * (Math.PI / 180));
-  let distance = 0;
-  for (const coords of states) {
+  return states.map((coords) => {
+    let distance = 0;
     for (let i = 0; i < coords.length; i += 3) {
       const [x, y, z] = [coords[i] - middle[0], coords[i + 1] - middle[1], coords[i + 2] - middle[2]];
       const along = (axis) => axis[0] * x + axis[1] * y + axis[2] * z;
       const aside = Math.max(Math.abs(along(up)), Math.abs(along(right)) / aspect);
       distance = Math.max(distance, along(toward) + (FRAME * aside) / slope);
     }
-  }
-  return { middle, distance: distance || 1 };
+    return distance || 1;
+  });
 }
 
 /** What is drawn on a canvas; `forms` says which of "sheet" and "panels" there are. */
@@ -202,6 +204,7 @@ export class FormView {
   show(name) {
     this.shown = name;
     this.form = this.forms[name];
+    this.distances = undefined;
     this.fold(this.place);
     this.pick(this.picked);
     this.reset();
@@ -210,6 +213,7 @@ export class FormView {
   fold(place) {
     this.place = place;
     this.form.fold(place);
+    if (this.distances && !this.moved) this.#follow();
     this.ask();
   }
 
@@ -232,13 +236,27 @@ export class FormView {
     const toward = this.direction.clone().normalize();
     const right = new Vector3(0, 0, 1).cross(toward).normalize();
     const axes = [right, toward.clone().cross(right), toward];
-    const { middle, distance } = framed(this.form.states, axes, this.camera.aspect);
-    this.far = distance;
+    const { states } = this.form;
+    const middle = boxMiddle(states);
+    this.distances = distances(states, middle, axes, this.camera.aspect);
+    this.far = Math.max(...this.distances);
     this.controls.target.set(...middle);
-    this.camera.position.copy(toward).multiplyScalar(distance).add(this.controls.target);
     this.camera.near = this.far / 100;
     this.camera.far = this.far * 20;
     this.camera.updateProjectionMatrix();
+    this.camera.position.copy(toward).add(this.controls.target);
+    this.#follow();
+  }
+
+  /** Come nearer as the form gets smaller, by half as much: it is large, and seen to shrink. */
+  #follow() {
+    const first = Math.min(Math.floor(this.place), this.distances.length - 1);
+    const second = Math.min(first + 1, this.distances.length - 1);
+    const share = this.place - first;
+    const own = this.distances[first] + share * (this.distances[second] - this.distances[first]);
+    const toward = this.camera.position.clone().sub(this.controls.target);
+    toward.setLength((own + this.far) / 2);
+    this.camera.position.copy(toward.add(this.controls.target));
     this.controls.update();
     this.ask();
   }
