@@ -230,7 +230,9 @@ class _Search:
     whole: SurfaceMesh
     progress: Callable[[int, int], None] | None
     interrupted: Callable[[], bool] | None
-    tried: int = 0
+    surfaces: int = 1  # whole ones and parts that are known to be looked at
+    begun: int = 0
+    tried: int = 0  # settings, of the last one begun
 
     def sheets_of(self, mesh: SurfaceMesh, columns: int, most: int) -> list[SurfaceSheet]:
         """The best single sheet, or those of the halves where it is not good."""
@@ -259,6 +261,7 @@ class _Search:
         parts = halves(mesh)
         if not 2 <= len(parts) <= most:
             return []
+        self.surfaces += len(parts)
         found = []
         for part in parts:
             share = max(4, round(columns * np.sqrt(part.area / mesh.area)))
@@ -267,6 +270,7 @@ class _Search:
 
     def _best(self, mesh: SurfaceMesh, columns: int) -> SurfaceSheet | None:
         """The best sheet of this many columns, found with fewer first where these are many."""
+        self.begun, self.tried = self.begun + 1, 0
         few = min(columns, _FIRST_COLUMNS)
         kinds = [kind for kind in (_tube, _patch) if kind is _patch or mesh.kind is MeshKind.RING]
         ranked: list[tuple[float, float, float, SurfaceSheet, _Lay]] = []
@@ -307,8 +311,9 @@ class _Search:
         """The sheet of a setting; None where there is none. finest : columns that are wanted."""
         self.tried += 1
         if self.progress is not None:
-            total = len(self.pleats) * len(self.turns)
-            self.progress(min(self.tried, total), total)
+            each = len(self.pleats) * len(self.turns)
+            done = (self.begun - 1) * each + min(self.tried, each)
+            self.progress(done, max(self.surfaces, self.begun) * each)
         try:
             laid = _Laid(lay, lay.sheet(columns, pleats, turn), pleats, turn, columns)
             return self._near_goals(laid, finest / columns)

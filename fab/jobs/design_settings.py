@@ -148,7 +148,7 @@ def design_settings(kind: str, cls: type[Any], code: str | None = None) -> type[
         annotation = str if _is_target(field) else types[field.name]
         keys[design_key(field)] = (annotation, _key(field, annotation))
         if _is_target(field):  # a file may hold several surfaces
-            keys["face"] = (int | None, None)
+            keys["face"] = (int | list[int] | None, None)
             direction = Annotated[list[float], Field(min_length=3, max_length=3)]
             keys["up"] = (direction | None, None)
     table = create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **keys)

@@ -102,7 +102,17 @@ def test_places_go_on_around_a_tube():
 
 def test_a_ball_takes_two_sheets_or_more():
     mesh = ball()
-    found = surface_sheets(mesh, 8, turns=[0.0], pleats=[Pleats()], most_sheets=4)
+    steps = []
+    found = surface_sheets(
+        mesh,
+        8,
+        turns=[0.0],
+        pleats=[Pleats()],
+        most_sheets=4,
+        progress=lambda done, of: steps.append((done, of)),
+    )
+    assert steps == sorted(steps)
+    assert all(done <= of for done, of in steps)
     assert 2 <= len(found.sheets) <= 4
     assert sum(sheet.part.area for sheet in found.sheets) == pytest.approx(mesh.area)
     assert {sheet.part.kind for sheet in found.sheets} == {MeshKind.DISC}

@@ -30,15 +30,18 @@ from solver.errors import InvalidState, InvalidValue, OrigamiError
 __all__ = ["Bounds", "in_own_process"]
 
 _CURE = "It is damaged, or too large: export it again, or as a simpler mesh."
-# Seconds of processor time beyond those of the clock, after which an orphan ends itself.
-_GRACE_S = 10
+# On a busy machine a second of processor time may take several on the clock.
+_BUSY = 3
+# How a process ends that the system stops for the time it took.
+_OUT_OF_TIME = -int(getattr(signal, "SIGXCPU", 24))
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What the work may take: seconds on the clock, and MB of address space.
+    """What the work may take: seconds of processor time, and MB of address space.
 
-    Memory is bounded where the operating system can, as Linux does.
+    Both are bounded where the operating system can, as Linux does; on the clock it may take three
+    times as long.
     """
 
     seconds: float
@@ -59,7 +62,7 @@ def in_own_process(
     """
     with tempfile.TemporaryDirectory(prefix="quadfold-") as folder:
         request, answer = Path(folder, "request.json"), Path(folder, "answer.npz")
-        limits = [math.ceil(bounds.seconds) + _GRACE_S, math.ceil(bounds.memory_mb)]
+        limits = [math.ceil(bounds.seconds), math.ceil(bounds.memory_mb)]
         request.write_text(json.dumps({"arguments": dict(arguments), "limits": limits}))
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, task, str(request), str(answer)],
@@ -69,14 +72,16 @@ def in_own_process(
             env=_environment(),
         )
         try:
-            code = process.wait(bounds.seconds)
+            code = process.wait(_BUSY * bounds.seconds)
         except subprocess.TimeoutExpired:
-            took = f"took over {bounds.seconds:.4g} seconds to read and was given up"
-            raise InvalidFile(f"{shown_path(path)}: {took}. {_CURE}") from None
+            code = _OUT_OF_TIME
         finally:
             if process.poll() is None:
                 process.kill()
                 process.wait()
+        if code == _OUT_OF_TIME:
+            took = f"took over {bounds.seconds:.4g} seconds to read and was given up"
+            raise InvalidFile(f"{shown_path(path)}: {took}. {_CURE}")
         if code != 0 or not answer.is_file():
             why = f"the library that reads it crashed ({_ending(code)})"
             raise InvalidFile(f"{shown_path(path)}: {why}. {_CURE}")

@@ -41,6 +41,10 @@ def hangs(path):
     open(path, "w").write(str(os.getpid()))
     time.sleep(600)
 
+def spins(path):
+    while True:
+        pass
+
 def dies(path):
     os.abort()
 
@@ -128,8 +132,14 @@ def test_a_hang_ends_with_its_process(work, tmp_path):
     begin = time.monotonic()
     with pytest.raises(InvalidFile, match=r"took over 4 seconds to read and was given up"):
         work("hangs", Bounds(4, 4000))
-    assert time.monotonic() - begin < 30
+    assert time.monotonic() - begin < 60
     assert not alive(int((tmp_path / "a file.step").read_text()))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no signal at a bound of processor time")
+def test_work_without_end_is_stopped_by_its_processor_time(work):
+    with pytest.raises(InvalidFile, match=r"took over 2 seconds to read and was given up"):
+        work("spins", Bounds(2, 4000))
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
