@@ -17,7 +17,7 @@ __all__ = ["figure"]
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @OUT
-@only("Such as svg (default: png,svg of figures, gif of movies).")
+@only("Such as svg or mp4 (default: png,svg of figures, gif of movies).")
 @click.option("--list", "listed", is_flag=True, help="List names and captions; make nothing.")
 @DRY_RUN
 def figure(

@@ -11,6 +11,7 @@ from fab.jobs.paper_figures import PAPER_FIGURES, PaperFigure
 from fab.outputs import Made
 from fab.progress import Progress, silent
 from fab.viewing.figures.canvas import Drawing
+from fab.viewing.movie_files import gif_bytes, mp4_bytes
 
 __all__ = ["ALL", "FigureFormat", "chosen_figures", "figure_files"]
 
@@ -24,10 +25,13 @@ class FigureFormat(StrEnum):
     PNG = "png"
     SVG = "svg"
     GIF = "gif"
+    MP4 = "mp4"
 
 
 _OF_FIGURES = (FigureFormat.PNG, FigureFormat.SVG)
-_OF_MOVIES = (FigureFormat.GIF,)
+_OF_MOVIES = (FigureFormat.GIF, FigureFormat.MP4)
+# What is made where nothing is asked for: MP4 wants an encoder.
+_USUAL = (FigureFormat.PNG, FigureFormat.SVG, FigureFormat.GIF)
 
 
 def chosen_figures(
@@ -35,8 +39,8 @@ def chosen_figures(
 ) -> list[tuple[PaperFigure, tuple[FigureFormat, ...]]]:
     """The figures of these names, each once, and what each is saved as.
 
-    names : such as S13 or m2, or all. formats : those that are wanted; None: all that fit, PNG and
-    SVG of figures, GIF of movies. Of all figures those that have none of the formats are left out.
+    names : such as S13 or m2, or all. formats : those that are wanted; None: PNG and SVG of
+    figures, GIF of movies. Of all figures those that have none of the formats are left out.
 
     Raises `InvalidJob` for unknown names, and for a figure with none of the formats.
     """
@@ -56,7 +60,7 @@ def chosen_figures(
     for name, itself in wanted.items():
         figure = known[name]
         fitting = _OF_MOVIES if figure.is_movie else _OF_FIGURES
-        saved = tuple(kind for kind in fitting if formats is None or kind in formats)
+        saved = tuple(kind for kind in fitting if kind in (formats or _USUAL))
         if saved:
             chosen.append((figure, saved))
         elif itself:
@@ -70,7 +74,10 @@ def chosen_figures(
 def figure_files(
     figure: PaperFigure, formats: Sequence[FigureFormat], progress: Progress = silent
 ) -> Made:
-    """One figure or movie, in each of the formats that fit it."""
+    """One figure or movie, in each of the formats that fit it.
+
+    Raises `InvalidJob` for MP4 without an encoder.
+    """
     progress(figure.name, 0, 1)
     drawn = figure.make()
     files = {}
@@ -79,8 +86,11 @@ def figure_files(
         for kind in formats:
             if kind in saving:
                 files[f"{figure.name}.{kind}"] = saving[kind]()
-    elif FigureFormat.GIF in formats:
-        gif = drawn.gif_bytes(lambda done, total: progress(figure.name, done, total))
-        files[f"{figure.name}.gif"] = gif
+    else:
+        pictures = drawn.images(lambda done, total: progress(figure.name, done, total))
+        for kind, encoded in ((FigureFormat.GIF, gif_bytes), (FigureFormat.MP4, mp4_bytes)):
+            if kind in formats:
+                data = encoded(pictures, drawn.order, drawn.times_ms)
+                files[f"{figure.name}.{kind}"] = data
     progress(figure.name, 1, 1)
     return Made(files, {"name": figure.name, "caption": figure.caption}, ())

@@ -156,7 +156,7 @@ def _landscapes() -> Drawing:
 
 def _curved_folds() -> Drawing:
     names = ("curved_fold", "wave_fold", "elliptic_ring", "trefoil_knot")
-    sheets = _shipped(names)
+    sheets = _shipped(names, upright=True)
     return galleries.gallery_figure(sheets, "Curved folds: open, closed and knotted")
 
 

@@ -19,6 +19,7 @@ __all__ = ["FRAME_MS", "encoder", "gif_bytes", "mp4_bytes", "there_and_back"]
 # How long a picture is shown, and the first and last of a motion.
 FRAME_MS, _REST_MS = 100, 1500
 _COLOURS = 255
+_NEARLY_WHITE = 244
 # Pictures from which the colours of all are taken.
 _SAMPLED = 6
 _LEAST_SECONDS = 120
@@ -50,8 +51,11 @@ def gif_bytes(pictures: Sequence[Any], order: Sequence[int], times_ms: Sequence[
     for number, sample in enumerate(samples):
         strip.paste(sample, (0, number * height))
     found = strip.quantize(_COLOURS, Image.Quantize.MEDIANCUT).getpalette() or []
+    colours = np.array(found[: 3 * _COLOURS]).reshape(-1, 3)
+    # white itself, and nothing beside it: Pillow looks colours up by their upper six bits
+    colours[colours.min(axis=1) >= _NEARLY_WHITE] = 255
     palette = Image.new("P", (1, 1))
-    palette.putpalette([255, 255, 255, *found[: 3 * _COLOURS]])  # the background stays white
+    palette.putpalette([255, 255, 255, *colours.ravel().tolist()])
     small = [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
     frames = [small[k] for k in order]
     out = io.BytesIO()

@@ -180,11 +180,13 @@ def test_formats_fit_figures_and_movies():
     every = chosen_figures(["all"])
     assert [figure.name for figure, _ in every] == list(FIGURES)
     assert {kinds for figure, kinds in every if figure.is_movie} == {(FigureFormat.GIF,)}
+    (both,) = chosen_figures(["M1"], [FigureFormat.MP4, FigureFormat.GIF])
+    assert both[1] == (FigureFormat.GIF, FigureFormat.MP4)
     movies = chosen_figures(["ALL"], [FigureFormat.GIF])
     assert [figure.name for figure, _ in movies] == [f"M{n}" for n in range(1, 11)]
     (one,) = chosen_figures(["s13", "S13"], [FigureFormat.SVG, FigureFormat.GIF])
     assert (one[0].name, one[1]) == ("S13", (FigureFormat.SVG,))
-    with pytest.raises(InvalidJob, match="M2 is a movie: --only must name one of gif"):
+    with pytest.raises(InvalidJob, match="M2 is a movie: --only must name one of gif, mp4"):
         chosen_figures(["all", "m2"], [FigureFormat.PNG])
     with pytest.raises(InvalidJob, match=r"figure 'S113' must be one of .* Did you mean S13\?"):
         chosen_figures(["S113"])

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from fab.progress import Steps, no_steps
+from fab.viewing.movie_files import FRAME_MS
 
-__all__ = ["INK", "PALETTE", "Drawing", "Movie", "new_figure", "plain", "shaded"]
+__all__ = ["INK", "PALETTE", "Drawing", "Movie", "movie", "new_figure", "plain", "shaded"]
 
 _DPI = 100
 INK = {"M": "#d62020", "V": "#2050d6", "F": "#b0b0b0", "B": "#202020"}
@@ -55,40 +56,33 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Movie:
-    """Frames of one size, each drawn when it is needed.
+    """Pictures of one size, each drawn when it is needed.
 
     Attributes
     ----------
-    frames : each draws one frame.
-    frame_ms, last_ms : how long a frame is shown, and the last one.
+    frames : each draws one picture.
+    order : which is shown, one after another, by number.
+    times_ms : for how long.
     """
 
     frames: Sequence[Callable[[], Drawing]]
-    frame_ms: int = 100
-    last_ms: int = 100
+    order: Sequence[int]
+    times_ms: Sequence[int]
 
-    def gif_bytes(self, progress: Steps = no_steps) -> bytes:
-        """An endless GIF; progress : called with (frames drawn, frames in all)."""
-        from PIL import Image
-
-        pictures = []
+    def images(self, progress: Steps = no_steps) -> list[Any]:
+        """All pictures; progress : called with (pictures drawn, pictures in all)."""
+        out = []
         for done, frame in enumerate(self.frames):
             progress(done, len(self.frames))
-            pictures.append(frame().image().convert("P", palette=Image.Palette.ADAPTIVE))
-        first, *others = pictures
-        stream = io.BytesIO()
-        times = [self.frame_ms] * len(pictures)
-        times[-1] = self.last_ms
-        first.save(
-            stream,
-            format="GIF",
-            save_all=True,
-            append_images=others,
-            duration=times,
-            loop=0,
-            optimize=False,
-        )
-        return stream.getvalue()
+            out.append(frame().image())
+        return out
+
+
+def movie(frames: Sequence[Callable[[], Drawing]], last_ms: int = FRAME_MS) -> Movie:
+    """A movie of pictures one after another, the last of them shown longer."""
+    times = [FRAME_MS] * len(frames)
+    times[-1] = last_ms
+    return Movie(frames, range(len(frames)), times)
 
 
 def new_figure(width_px: float, height_px: float) -> Any:

@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from solver.vectors import BoolArray, FloatArray, IntArray, cross, norm, unit
+from solver.vectors import FloatArray, cross, norm, unit
 
 __all__ = [
     "LOWER",
     "UPPER",
     "Bundle",
-    "camera",
     "draw_bundle",
-    "draw_sheet",
     "framed",
     "principal_view",
 ]
@@ -31,8 +29,6 @@ UPPER, LOWER = (0.96, 0.84, 0.62), (0.62, 0.74, 0.86)
 _LIGHT = unit(np.array([-0.35, 0.55, 0.75]))
 # Cells across the whole drawing, at most.
 _CELLS = 40
-# Sheets of more faces are drawn face by face, not by cells.
-_FEW = 120
 
 
 @dataclass(frozen=True)
@@ -53,28 +49,13 @@ class Bundle:
     widths: Sequence[float] = ()
 
 
-def camera(elevation_deg: float, azimuth_deg: float) -> FloatArray:
-    """Rows: to the right, upwards and towards the viewer, shape (3, 3)."""
-    rise, turn = np.radians([elevation_deg, azimuth_deg])
-    right = np.array([-np.sin(turn), np.cos(turn), 0.0])
-    toward = np.array([np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)])
-    return np.stack([right, cross(toward, right), toward])
-
-
-def principal_view(
-    coords: FloatArray, view: FloatArray, up: FloatArray | None = None
-) -> FloatArray:
-    """A camera that sees points as `view` would, were their longest directions those of x and y.
-
-    up : what is above rather than below, shape (3,).
-    """
+def principal_view(coords: FloatArray, view: FloatArray) -> FloatArray:
+    """A camera that sees points as `view` would, were their longest directions those of x and y."""
     _, vectors = np.linalg.eigh(np.cov((coords - coords.mean(axis=0)).T))
     axes: FloatArray = vectors.T[::-1].copy()
     for axis in axes[:2]:
         axis *= np.sign(axis[np.argmax(np.abs(axis))])
     axes[2] = cross(axes[0], axes[1])
-    if up is not None and up @ axes[2] < 0:
-        axes[1:] *= -1
     return view @ axes
 
 
@@ -130,47 +111,6 @@ def draw_bundle(axes: Any, view: FloatArray, bundle: Bundle, *, outline: float =
             edgecolors=edges[order],
             linewidths=thick[order],
             capstyle="round",
-        )
-    )
-
-
-def draw_sheet(
-    axes: Any,
-    view: FloatArray,
-    coords: FloatArray,
-    polygons: tuple[IntArray, IntArray],
-    shown: BoolArray | None = None,
-    *,
-    line: float = 0.5,
-) -> None:
-    """Draw the faces of a sheet, sand above and blue below, those that are shown alone.
-
-    coords : shape (nv, 3); polygons : corners of all faces, and where each begins, as of
-    `QuadMesh.polygons`; line : width of their sides in points.
-    """
-    from matplotlib.collections import PolyCollection
-
-    corners, offsets = polygons
-    sizes = np.diff(offsets)
-    chosen = np.flatnonzero(np.ones(len(sizes), bool) if shown is None else shown)
-    if not len(chosen):
-        return
-    if len(chosen) <= _FEW:
-        faces = [coords[corners[offsets[f] : offsets[f + 1]]] for f in chosen]
-        draw_bundle(axes, view, Bundle(faces, [(UPPER, LOWER)] * len(faces)), outline=line)
-        return
-    # the last corner of smaller faces is repeated
-    step = np.minimum(np.arange(sizes.max()), sizes[chosen, None] - 1)
-    faces_coords = coords[corners[offsets[chosen, None] + step]]
-    seen = faces_coords @ view.T
-    order = np.argsort(seen[:, :, 2].mean(axis=1), kind="stable")
-    lit = _lit(list(faces_coords), view, [(UPPER, LOWER)] * len(faces_coords))
-    axes.add_collection(
-        PolyCollection(
-            list(seen[order][:, :, :2]),
-            facecolors=lit[order],
-            edgecolors="#303030",
-            linewidths=min(line, 20 * line / np.sqrt(len(chosen))),
         )
     )
 

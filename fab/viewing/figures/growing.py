@@ -7,7 +7,8 @@ from functools import partial
 
 import numpy as np
 
-from fab.viewing.figures.canvas import Drawing, Movie, new_figure, plain
+from fab.errors import counted
+from fab.viewing.figures.canvas import Drawing, Movie, movie, new_figure, plain
 from fab.viewing.figures.sheets import ShownSheet, draw_flat, draw_folded
 
 __all__ = ["growth_figure", "growth_movie"]
@@ -27,7 +28,7 @@ def growth_figure(sheets: Sequence[ShownSheet], stages: int = 3) -> Drawing:
             for row, draw in enumerate((draw_folded, draw_flat)):
                 bottom = top * (1 - (2 * number + row + 1) / rows)
                 place = (column / stages + 0.01, bottom + 0.01, 0.96 / stages, 0.84 * top / rows)
-                title = f"{sheet.name}: {int(shown.sum())} faces" if row == 0 else ""
+                title = f"{sheet.name}: {counted(int(shown.sum()), 'face')}" if row == 0 else ""
                 draw(plain(figure, place, title), sheet, shown)
     return Drawing(figure)
 
@@ -41,12 +42,12 @@ def growth_movie(sheet: ShownSheet) -> Movie:
         shown = sheet.steps <= step
         draw_folded(plain(figure, (0.01, 0.02, 0.48, 0.86)), sheet, shown)
         draw_flat(plain(figure, (0.51, 0.02, 0.48, 0.86)), sheet, shown)
-        words = f"{sheet.name}: step {step + 1} of {strips}, {int(shown.sum())} faces"
+        words = f"{sheet.name}: step {step + 1} of {strips}, {counted(int(shown.sum()), 'face')}"
         figure.text(0.5, 0.93, words, ha="center", fontsize=12)
         return Drawing(figure)
 
     steps = _sampled(0, strips - 1, _MOST_FRAMES)
-    return Movie([partial(frame, step) for step in steps], last_ms=2000)
+    return movie([partial(frame, step) for step in steps], last_ms=2000)
 
 
 def _sampled(first: int, last: int, most: int) -> list[int]:

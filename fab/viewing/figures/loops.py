@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from fab.viewing.figures.canvas import Drawing, new_figure, plain
-from fab.viewing.figures.forms import camera, draw_sheet, framed
+from fab.viewing.figures.sheets import draw_folded, shown_sheet
 from solver.front import Front
 from solver.mesh import QuadMesh
 from solver.transfer import Closing, loop_misses
 
 __all__ = ["loops_figure"]
 
-_VIEW = camera(40, -62)
 _SAYS = {
     Closing.PAIR: "closes at two flap angles",
     Closing.CONTINUATION: "closes only as the continuation",
@@ -35,8 +34,7 @@ def loops_figure(loops: Sequence[tuple[str, QuadMesh]], trials: int = 721) -> Dr
         rows = mesh.vertices_coords[mesh.grid]
         front = Front.between(rows[-1], rows[-2], closed=True)
         space = plain(figure, (number / count, 0.5, 1 / count, 0.4), name)
-        draw_sheet(space, _VIEW, mesh.vertices_coords, mesh.polygons, line=1.0)
-        framed(space, _VIEW, mesh.vertices_coords, 0.1)
+        draw_folded(space, shown_sheet(mesh, name, upright=True))
         axes = figure.add_axes(((number + 0.18) / count, 0.09, 0.77 / count, 0.34))
         deltas = np.append(front.deltas, front.closing_delta)
         misses = np.degrees(loop_misses(front.couplings, deltas, flap_angles))

@@ -9,17 +9,19 @@ import numpy as np
 
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
+from fab.viewing.camera import fitted
 from fab.viewing.figures.canvas import INK
-from fab.viewing.figures.forms import camera, draw_sheet, framed, principal_view
+from fab.viewing.painting import painted
+from fab.viewing.scene_builders import laid_flat
+from fab.viewing.shapes import Triangles, sheet_shapes, sheet_triangles
+from fab.viewing.view_choice import best_view
 from solver.growth_order import faces_strip
 from solver.mesh import QuadMesh
-from solver.polygons import face_normals
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["ShownSheet", "draw_flat", "draw_folded", "shown_sheet"]
+__all__ = ["ShownSheet", "draw_flat", "draw_folded", "paint", "shown_sheet"]
 
-_VIEW = camera(38, -62)
-_UPRIGHT = camera(42, -58)
+_MARGIN = 6
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,14 @@ class ShownSheet:
     name : in titles.
     pattern : in design units; closed sheets are cut open.
     steps : the step of growth that made each face, shape (nf,).
-    view : the camera, shape (3, 3).
+    triangles : over its faces.
+    view : axes of the camera, shape (3, 3).
     """
 
     name: str
     pattern: CreasePattern
     steps: IntArray
+    triangles: Triangles
     view: FloatArray
 
     @property
@@ -47,25 +51,47 @@ class ShownSheet:
 
 
 def shown_sheet(mesh: QuadMesh, name: str, *, upright: bool = False) -> ShownSheet:
-    """A grown sheet, ready to be drawn.
+    """A grown sheet, seen from where most of it shows.
 
     upright : whether z is upwards; else its longest directions lie flat. Raises as `develop`.
     """
     steps = faces_strip(mesh)
     opened = mesh.cut_open()
     pattern = crease_pattern(opened, develop(opened), 1.0)
-    view = _UPRIGHT
-    if not upright:
-        normals = face_normals(mesh.vertices_coords, *mesh.polygons)
-        view = principal_view(mesh.vertices_coords, _VIEW, normals.sum(axis=0))
-    return ShownSheet(name, pattern, steps, view)
+    triangles = sheet_triangles(pattern)
+    coords = opened.vertices_coords
+    turn = np.eye(3) if upright else laid_flat(pattern, coords)[0]
+    corners = (coords @ turn.T)[triangles.vertices]
+    view = best_view([corners], triangles.faces, upright=upright) @ turn
+    return ShownSheet(name, pattern, steps, triangles, view)
 
 
 def draw_folded(axes: Any, sheet: ShownSheet, shown: BoolArray | None = None) -> None:
-    """The folded form, in a frame that holds all of it; `shown` : faces that are drawn, (nf,)."""
-    polygons = sheet.pattern.faces_vertices, sheet.pattern.faces_offsets
-    draw_sheet(axes, sheet.view, sheet.folded_coords, polygons, shown)
-    framed(axes, sheet.view, sheet.folded_coords)
+    """The folded form, in a frame that holds all of it; shown : faces that are drawn, (nf,)."""
+    paint(axes, sheet.view, sheet.folded_coords, sheet.triangles, sheet.folded_coords, shown)
+
+
+def paint(
+    axes: Any,
+    view: FloatArray,
+    coords: FloatArray,
+    triangles: Triangles,
+    extent: FloatArray,
+    shown: BoolArray | None = None,
+) -> None:
+    """Paint the faces of a sheet as an image that fills axes; what is nearer hides what is further.
+
+    view : axes of a camera, which shows all points of `extent`, shape (n, 3).
+    """
+    box = axes.bbox
+    width, height = max(1, round(box.width)), max(1, round(box.height))
+    view_of_all = fitted(view, extent, width, height, _MARGIN)
+    image = np.ones((height, width, 3))
+    kept = slice(None) if shown is None else shown[triangles.faces]
+    drawn = Triangles(triangles.vertices[kept], triangles.faces[kept])
+    if len(drawn.faces):
+        image = painted(view_of_all, [sheet_shapes(coords, drawn)])
+    axes.imshow(image, interpolation="antialiased", extent=(0, width, 0, height))
 
 
 def draw_flat(axes: Any, sheet: ShownSheet, shown: BoolArray | None = None) -> None:

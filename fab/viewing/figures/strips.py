@@ -8,13 +8,22 @@ from typing import Any
 import numpy as np
 
 from fab.pattern.development import develop
-from fab.viewing.figures.canvas import INK, PALETTE, Drawing, Movie, new_figure, plain, shaded
+from fab.viewing.camera import view_axes
+from fab.viewing.figures.canvas import (
+    INK,
+    PALETTE,
+    Drawing,
+    Movie,
+    movie,
+    new_figure,
+    plain,
+    shaded,
+)
 from fab.viewing.figures.circles import draw_circle
 from fab.viewing.figures.forms import (
     LOWER,
     UPPER,
     Bundle,
-    camera,
     draw_bundle,
     framed,
     principal_view,
@@ -33,7 +42,7 @@ __all__ = [
     "strip_movie",
 ]
 
-_VIEW = camera(45, -68)
+_VIEW = view_axes(45, -68)
 _OLD_UPPER, _OLD_LOWER = (0.90, 0.88, 0.84), (0.80, 0.84, 0.88)
 
 
@@ -154,7 +163,7 @@ def pair_movie(front: Front, family: StripFamily) -> Movie:
         figure.text(0.5, 0.94, words, ha="center", fontsize=12)
         return Drawing(figure)
 
-    return Movie([partial(frame, at) for at in range(len(family.flap_angles))])
+    return movie([partial(frame, at) for at in range(len(family.flap_angles))])
 
 
 def strip_movie(front: Front, family: StripFamily) -> Movie:
@@ -176,7 +185,7 @@ def strip_movie(front: Front, family: StripFamily) -> Movie:
         figure.text(0.5, 0.95, words, ha="center", fontsize=12)
         return Drawing(figure)
 
-    return Movie([partial(frame, at) for at in range(len(family.flap_angles))])
+    return movie([partial(frame, at) for at in range(len(family.flap_angles))])
 
 
 def _length(front: Front) -> float:

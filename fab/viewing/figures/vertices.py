@@ -9,9 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from fab.viewing.figures.canvas import INK, PALETTE, Drawing, Movie, new_figure, plain, shaded
+from fab.viewing.camera import view_axes
+from fab.viewing.figures.canvas import (
+    INK,
+    PALETTE,
+    Drawing,
+    Movie,
+    movie,
+    new_figure,
+    plain,
+    shaded,
+)
 from fab.viewing.figures.circles import draw_circle
-from fab.viewing.figures.forms import LOWER, UPPER, Bundle, camera, draw_bundle
+from fab.viewing.figures.forms import LOWER, UPPER, Bundle, draw_bundle
 from solver.vectors import FloatArray, angle_between, cross, unit
 from solver.vertex_family import VertexFamily, vertex_family
 
@@ -25,7 +35,7 @@ __all__ = [
 ]
 
 # In the vertex's own frame: its front runs to the right, and opens towards the viewer.
-_VIEW = camera(32, -76)
+_VIEW = view_axes(32, -76)
 # Faces behind the front are paler than new ones.
 _OLD_UPPER, _OLD_LOWER = (0.90, 0.88, 0.84), (0.80, 0.84, 0.88)
 _LETTERS = ("a", "b", "c", "r")
@@ -189,7 +199,7 @@ def vertex_movie(family: VertexFamily) -> Movie:
         figure.text(0.23, 0.94, words, ha="center", fontsize=12)
         return Drawing(figure)
 
-    return Movie([partial(frame, at) for at in range(len(family.flap_angles))])
+    return movie([partial(frame, at) for at in range(len(family.flap_angles))])
 
 
 def _draw_vertex(axes: Any, family: VertexFamily, at: int, curve: FloatArray | None = None) -> None:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fab.viewing.figures.canvas import Drawing, Movie, new_figure, plain
+from fab.viewing.camera import view_axes
+from fab.viewing.figures.canvas import Drawing, movie, new_figure, plain
 from fab.viewing.figures.circles import draw_circle
-from fab.viewing.figures.forms import Bundle, camera, draw_bundle, principal_view
+from fab.viewing.figures.forms import Bundle, draw_bundle, principal_view
 from fab.viewing.figures.galleries import gallery_figure
 from fab.viewing.figures.growing import growth_movie
 from fab.viewing.figures.sheets import draw_flat, shown_sheet
+from fab.viewing.movie_files import gif_bytes
 from solver import Miura, RandomTube, TiltedRings
 
 
@@ -22,8 +24,8 @@ def rings():
 
 def test_a_closed_sheet_grows_ring_by_ring(rings):
     assert np.bincount(rings.steps).tolist() == [4] * 6
-    movie = growth_movie(rings)
-    words = [frame().figure.texts[0].get_text() for frame in movie.frames]
+    frames = growth_movie(rings).frames
+    words = [frame().figure.texts[0].get_text() for frame in frames]
     assert words[0] == "rings: step 1 of 6, 4 faces"
     assert words[-1] == "rings: step 6 of 6, 24 faces"
 
@@ -53,24 +55,25 @@ def test_a_gallery_has_two_drawings_for_each_sheet(rings):
     assert gallery.png_bytes() == gallery.png_bytes()
 
 
-def test_a_movie_is_an_endless_gif_of_all_frames():
+def test_a_movie_draws_its_pictures_once_and_shows_the_last_longer():
     def frame(size):
         figure = new_figure(120, 80)
         plain(figure, (0, 0, 1, 1)).plot([0, size], [0, 1], color="red")
         return Drawing(figure)
 
-    movie = Movie([lambda: frame(1), lambda: frame(2), lambda: frame(3)], 50, 900)
+    made = movie([lambda: frame(1), lambda: frame(2), lambda: frame(3)], last_ms=900)
+    assert list(made.order) == [0, 1, 2]
     seen = []
-    data = movie.gif_bytes(lambda done, total: seen.append((done, total)))
-    assert data == movie.gif_bytes()
+    images = made.images(lambda done, total: seen.append((done, total)))
     assert seen == [(0, 3), (1, 3), (2, 3)]
+    data = gif_bytes(images, made.order, made.times_ms)
     with Image.open(io.BytesIO(data)) as image:
         assert (image.size, image.n_frames, image.info["loop"]) == ((120, 80), 3, 0)
         durations = []
         for number in range(3):
             image.seek(number)
             durations.append(image.info["duration"])
-        assert durations == [50, 50, 900]
+        assert durations == [100, 100, 900]
         assert image.convert("RGB").getpixel((0, 0)) == (255, 255, 255)
 
 
@@ -82,7 +85,7 @@ def test_what_is_nearer_hides_what_is_further():
     def middle(faces, colours):
         figure = new_figure(100, 100)
         axes = plain(figure, (0, 0, 1, 1))
-        draw_bundle(axes, camera(90.0, -90.0), Bundle(faces, colours))
+        draw_bundle(axes, view_axes(90.0, -90.0), Bundle(faces, colours))
         axes.set_xlim(0, 1)
         axes.set_ylim(0, 1)
         return Drawing(figure).image().getpixel((50, 50))
@@ -102,19 +105,19 @@ def test_faces_show_their_upper_and_their_lower_side():
         figure = new_figure(60, 60)
         axes = plain(figure, (0, 0, 1, 1))
         corners = face[::-1] if flipped else face
-        draw_bundle(axes, camera(90.0, -90.0), Bundle([corners], [((1, 0, 0), (0, 0, 1))]))
+        draw_bundle(axes, view_axes(90.0, -90.0), Bundle([corners], [((1, 0, 0), (0, 0, 1))]))
         axes.set_xlim(0, 1)
         axes.set_ylim(0, 1)
         assert np.argmax(Drawing(figure).image().getpixel((30, 40))) == expected
 
 
-def test_views_are_from_above_what_is_up():
-    points = np.random.default_rng(1).normal(size=(50, 3)) * [3.0, 2.0, 0.1]
-    for up in ([0, 0, 1.0], [0, 0, -1.0]):
-        view = principal_view(points, camera(40.0, -60.0), np.array(up))
-        np.testing.assert_allclose(view @ view.T, np.eye(3), atol=1e-12)
-        assert np.linalg.det(view) == pytest.approx(1)
-        assert view[2] @ up > 0
+def test_views_are_along_the_longest_directions():
+    points = np.random.default_rng(1).normal(size=(50, 3)) * [0.1, 3.0, 2.0]
+    view = principal_view(points, view_axes(90.0, -90.0))
+    np.testing.assert_allclose(view @ view.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(view) == pytest.approx(1)
+    assert np.abs(view[0]).argmax() == 1
+    assert np.abs(view[2]).argmax() == 0
 
 
 def test_forbidden_arcs_are_where_their_angles_are():
