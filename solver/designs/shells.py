@@ -62,11 +62,35 @@ def _canopy(u: FloatArray, v: FloatArray) -> FloatArray:
     return np.column_stack([1.2 * u, v, 0.6 * np.cos(a * u) + 0.5 * np.cos(a * v)])
 
 
+def _helmet(u: FloatArray, v: FloatArray) -> FloatArray:
+    """Longer than wide, down to the neck at its back (u = -1), higher over the brow (u = 1)."""
+    x, y = _disc(u, v)
+    radius = np.hypot(x, y)
+    along = np.pi / 2 - 0.22 - 0.1 * x
+    down = along * radius
+    flat = along * np.sinc(down / np.pi)
+    return np.column_stack([1.15 * flat * x, 0.95 * flat * y, np.cos(down)])
+
+
+def _wall_relief(u: FloatArray, v: FloatArray) -> FloatArray:
+    """Dunes: ridges that bend as they cross the wall, and flatten out."""
+    ridges = np.sin(4.2 * u + 1.1 * np.sin(1.8 * v + 0.4))
+    return np.column_stack([1.5 * u, v, 0.14 * ridges * (1 - 0.35 * u * v)])
+
+
+def _acoustic_panel(u: FloatArray, v: FloatArray) -> FloatArray:
+    """A shallow vault, which scatters sound that comes from the room below it or before it."""
+    return np.column_stack([1.3 * u, v, -0.16 * u**2 - 0.05 * v**2])
+
+
 SHELLS: dict[str, Target] = {
+    "acoustic_panel": ParametricSurface(_acoustic_panel),
     "bonnet": ParametricSurface(_bonnet),
     "bowl": ParametricSurface(_bowl),
     "canopy": ParametricSurface(_canopy),
     "dome": ParametricSurface(_dome),
+    "helmet": ParametricSurface(_helmet),
     "lamp_shade": ParametricSurface(_turned(lambda v: 0.75 - 0.3 * v + 0.08 * v**2, 0.8)),
+    "wall_relief": ParametricSurface(_wall_relief),
     "vase": ParametricSurface(_turned(lambda v: 0.6 + 0.2 * np.cos(0.9 * np.pi * (v + 0.3)), 1.3)),
 }

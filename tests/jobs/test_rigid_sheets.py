@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from helpers import made_template
 from relaxed_surfaces import bump
 
 import fab
@@ -64,6 +65,15 @@ def test_a_rigid_sheet_far_off_its_surface_is_made_with_a_warning():
     off = 3 * np.abs(growth.deviations).max() / growth.chosen["step"]
     assert f"up to {off:.3g} steps" in finding.text
     assert "0.15 would be near" in finding.text
+
+
+def test_the_acoustic_panel_folds_rigidly(tmp_path):
+    (tmp_path / "panel.fold").write_bytes(
+        made_template("acoustic_panel").files["acoustic_panel.fold"]
+    )
+    motion = rigid_motion(fab.read_pattern(tmp_path / "panel.fold")[0])
+    assert motion.verdict is RigidVerdict.FOLDS
+    assert motion.freedom.count == 1
 
 
 def test_rigid_sheets_are_relaxed():

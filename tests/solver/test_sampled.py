@@ -85,12 +85,15 @@ def test_parts_within_a_domain_are_kept_and_the_largest_piece_is_taken():
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
+        ("acoustic_panel", MeshKind.DISC),
         ("bonnet", MeshKind.DISC),
         ("bowl", MeshKind.DISC),
         ("canopy", MeshKind.DISC),
         ("dome", MeshKind.DISC),
+        ("helmet", MeshKind.DISC),
         ("lamp_shade", MeshKind.RING),
         ("vase", MeshKind.RING),
+        ("wall_relief", MeshKind.DISC),
     ],
 )
 def test_named_shells_have_their_kind(name, kind):
