@@ -364,6 +364,7 @@ def make_thick(
     }
     if made.scene is not None and ThickFormat.HTML in formats:
         from fab.viewing.page import ResultPage, page_bytes
+        from fab.viewing.scene_builders import with_open_cuts
 
         with clock.stage("html"):
             page = ResultPage(
@@ -371,7 +372,7 @@ def make_thick(
                 "quadfold thicken",
                 made.scene,
                 report,
-                every,
+                with_open_cuts(every, pattern),
                 files,
                 pictures={f"{name}_thick.png": "flat and folded"},
                 panels_state=made.panels_state,

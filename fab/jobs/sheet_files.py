@@ -271,5 +271,7 @@ def _page(
 
     scene = predicted_scene(pattern, name, findings=findings)
     colours = request.machine.colours
-    page = ResultPage(name, "quadfold fabricate", scene, report, findings, files, drawings, colours)
+    page = ResultPage(
+        name, "quadfold fabricate", scene, report, scene.findings, files, drawings, colours
+    )
     return page_bytes(page)

@@ -184,7 +184,8 @@ def _form(page: ResultPage, axes: FloatArray) -> Iterator[str]:
     """The form that folds, and the pictures that stand in for it."""
     title = escape(page.title)
     last = page.scene.state_count - 1
-    yield '<section id="form" aria-labelledby="form-title"><h2 id="form-title">Folded form</h2>'
+    heading = "Folded form" if last else "Sheet, whose folded form is not known"
+    yield f'<section id="form" aria-labelledby="form-title"><h2 id="form-title">{heading}</h2>'
     yield '<p class="without" hidden>This browser has no WebGL: pictures take the place of the '
     yield "form that folds.</p>"
     yield '<div class="live-view" hidden><div class="space">'
@@ -192,12 +193,11 @@ def _form(page: ResultPage, axes: FloatArray) -> Iterator[str]:
         f'<canvas tabindex="0" role="application" aria-label="{title} in space" '
         'aria-describedby="form-keys"></canvas></div>'
     )
-    yield '<div class="tools"><div class="fold">'
-    disabled = "" if last else " disabled"
-    yield f'<button type="button" id="play" class="main"{disabled}>Fold</button>'
+    yield f'<div class="tools"><div class="fold"{"" if last else " hidden"}>'
+    yield '<button type="button" id="play" class="main">Fold</button>'
     yield (
         f'<input type="range" id="fold" min="0" max="{last}" step="0.01" value="{last}" '
-        f'aria-label="Flat to folded"{disabled}>'
+        'aria-label="Flat to folded">'
     )
     yield f'<output id="state" for="fold">{escape(state_names(page.scene)[-1])}</output></div>'
     if page.scene.bodies is not None:

@@ -23,7 +23,14 @@ from solver.polygons import face_normals
 from solver.targets.surface_mesh import SurfaceMesh
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["folding_scene", "laid_flat", "over_surface", "pattern_scene", "thick_scene"]
+__all__ = [
+    "folding_scene",
+    "laid_flat",
+    "over_surface",
+    "pattern_scene",
+    "thick_scene",
+    "with_open_cuts",
+]
 
 # Sides of a box that differ by a smaller share are equal.
 _SQUARE = 1e-6
@@ -132,7 +139,7 @@ def thick_scene(
         shares,
         coords,
         upright=upright,
-        findings=tuple(_renumbered(finding, split) for finding in findings),
+        findings=with_open_cuts(findings, sheet.pattern),
         bodies=bodies,
     )
 
@@ -235,6 +242,15 @@ def _faces_moved_with(sheet: ThickSheet) -> IntArray:
     left = along[:, 0] * off[:, 1] > along[:, 1] * off[:, 0]
     face[bent] = np.where(left, *pattern.edges_faces[edge].T)
     return face
+
+
+def with_open_cuts(findings: Sequence[Finding], pattern: CreasePattern) -> tuple[Finding, ...]:
+    """Findings about a pattern, with the numbers that creases have in its thick scene.
+
+    The cuts between its faces are open there.
+    """
+    split = _split(pattern)
+    return tuple(_renumbered(finding, split) for finding in findings)
 
 
 def _split(pattern: CreasePattern) -> Opened:

@@ -1,17 +1,21 @@
 """Models and result pages of every command: what they are called, and what they hold."""
 
+import base64
 import hashlib
 import json
 import re
+import zlib
 from functools import cache
 
+import numpy as np
 import pytest
 from glb_reading import read_glb
 from helpers import PATTERNS, TEMPLATES
 
 from fab import read_pattern
+from fab.errors import Finding, Severity
 from fab.formats.read_options import ReadOptions
-from fab.jobs.folding_files import simulate
+from fab.jobs.folding_files import SimulationFormat, simulate
 from fab.jobs.job import load_job
 from fab.jobs.job_files import make
 from fab.jobs.print_files import ThickFormat, make_thick
@@ -119,6 +123,38 @@ def test_patterns_of_all_kinds_have_pages_and_models(name):
     assert len(data["findings"]) == len(made.findings)
     targets = read_glb(made.files[f"{name}_folding.glb"]).meshes[0].extras["targetNames"]
     assert len(targets) == len(data["states"]) - 1 == 10
+
+
+@pytest.mark.parametrize("command", ["thicken", "fabricate", "simulate"])
+def test_findings_of_sheets_with_cuts_light_up_the_creases_that_they_name(command):
+    pattern, _ = read_pattern(PATTERNS / "popup.fold")
+    inner = np.flatnonzero(np.isin(pattern.edges_assignment, ["M", "V"]))
+    finding = Finding("made-up", Severity.NOTE, "", creases=tuple(inner.tolist()))
+    if command == "thicken":
+        settings = thick_settings(["panels.fold_limit_deg=80.0"], None, None)
+        made = make_thick(pattern, "x", settings, formats=[ThickFormat.HTML], findings=[finding])
+    elif command == "fabricate":
+        request = SheetRequest(load_material("card_300gsm"), load_machine("co2_60w_600x400"))
+        made = fabricate(pattern, "x", request, findings=[finding])
+    else:
+        made = simulate(pattern, "x", formats=[SimulationFormat.HTML], findings=[finding])
+    (page,) = [data for name, data in made.files.items() if name.endswith(".html")]
+    data = data_of(page)
+    ends = unpacked(data["pattern"]["coords"])[unpacked(data["pattern"]["edges"])]
+    number = [each.code for each in made.findings].index("made-up")
+    found = ends[data["findings"][number]["creases"]]
+    expected = pattern.vertices_coords[pattern.edges_vertices[inner]]
+    assert in_order(found) == pytest.approx(in_order(expected), abs=1e-4)
+
+
+def unpacked(entry):
+    kind = {"f32": "<f4", "u16": "<u2"}[entry["kind"]]
+    return np.frombuffer(zlib.decompress(base64.b64decode(entry["zlib"])), kind).reshape(-1, 2)
+
+
+def in_order(lines):
+    """Lines (n, 2, 2) in one order, whichever end is first."""
+    return np.array(sorted(sorted(line.tolist()) for line in np.round(lines, 3)))
 
 
 def test_thick_sheets_without_a_panel_have_no_page():

@@ -11,6 +11,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from flat_patterns import grid
 from helpers import ROOT
 from thick_sheets import miura_pattern, thick
 
@@ -139,6 +140,14 @@ def test_findings_light_up_what_they_name():
 )
 def test_the_page_says_first_whether_it_may_be_used(severity, text):
     assert Elements(page_of(findings=[replace(FINDING, severity=severity)])).text["p"][1] == text
+
+
+def test_a_sheet_that_is_known_flat_alone_has_no_slider():
+    flat = Elements(page_of(scene=pattern_scene(grid(2, 2, 10.0), "grid"), title="grid"))
+    assert "Sheet, whose folded form is not known" in flat.text["h2"]
+    for elements, hidden in ((flat, True), (Elements(page_of()), False)):
+        (fold,) = [a for a in elements.of("div") if a.get("class") == "fold"]
+        assert ("hidden" in fold) == hidden
 
 
 def test_states_are_those_of_the_scene():
