@@ -10,8 +10,8 @@ from solver.vectors import FloatArray, cross
 
 __all__ = ["Camera", "fitted", "view_axes"]
 
-# Sheets that are smaller than this are points, mm.
-_LEAST_MM = 1e-9
+# Sides of what is shown that are a smaller share of its longest one are as long as that.
+_LEAST = 1e-9
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,6 @@ def fitted(axes: FloatArray, coords: FloatArray, width: int, height: int, margin
     if not len(seen):
         return Camera(axes, np.zeros(3), 1.0, width, height)
     low, high = seen.min(axis=0), seen.max(axis=0)
-    span = np.maximum(high - low, _LEAST_MM)
+    span = np.maximum(high - low, _LEAST * (float((high - low).max()) or 1.0))
     scale = min((width - 2 * margin) / span[0], (height - 2 * margin) / span[1])
     return Camera(axes, (low + high) / 2 @ axes, float(scale), width, height)

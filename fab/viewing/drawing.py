@@ -111,14 +111,14 @@ def draw_pattern(
     inner = drawing_box(box)
     coords = pattern.vertices_coords
     low, high = coords.min(axis=0), coords.max(axis=0)
-    span = np.maximum(high - low, 1e-9)
+    span = np.maximum(high - low, 1e-9 * (float((high - low).max()) or 1.0))
     scale = float(min((inner.width - 4) / span[0], (inner.height - 4) / span[1]))
     centre = np.array([inner.left + inner.width / 2, inner.top + inner.height / 2])
     place = FlatPlace((low + high) / 2, centre, scale)
     at = place.pixels(coords)
     count = len(pattern.edges_vertices)
     # lines are as wide as leaves room between them
-    room = np.sqrt(span.prod()) * scale / np.sqrt(count)
+    room = np.sqrt((span * scale).prod() / count)
     width = float(np.clip(room / 16, 0.25, 1.3))
     for letter, colour in ink.items():
         chosen = pattern.edges_assignment == letter
@@ -164,7 +164,8 @@ def divided(
 def _pixels(box: Box, points: FloatArray) -> float:
     """Pixels of the rectangle around points, as large as fits into the drawing in a box."""
     inner = drawing_box(box, coloured=True)
-    width, height = np.maximum(np.ptp(points, axis=0), 1e-9)
+    sides = np.ptp(points, axis=0)
+    width, height = np.maximum(sides / (float(sides.max()) or 1.0), 1e-9)
     scale = max(0.0, min(inner.width / width, inner.height / height))
     return float(scale**2 * width * height)
 

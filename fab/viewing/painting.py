@@ -59,10 +59,10 @@ def painted(camera: Camera, shapes: Sequence[Shapes]) -> FloatArray:
     places, inks, groups = [], [], []
     first = 0
     for each in shapes:
-        normals = triangle_normals(each.corners) @ camera.axes.T
+        corners = fine.pixels(each.corners)
+        normals = triangle_normals(corners * [1, -1, 1])  # rows run downwards
         kept = normals[:, 2] > _EDGE_ON if each.closed else np.ones(len(normals), bool)
-        normals = normals[kept]
-        corners = fine.pixels(each.corners[kept])
+        normals, corners = normals[kept], corners[kept]
         corners[..., 2] -= each.behind_mm * fine.pixels_per_mm
         # of faces that are on each other, as when folded flat, the first one is seen all over
         own = each.groups[kept]

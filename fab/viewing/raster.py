@@ -21,14 +21,16 @@ _AT_ONCE = 4_000_000
 _SLIM, _SPACING = 1.0, 0.7
 
 
-def nearest_triangles(corners: FloatArray, width: int, height: int) -> tuple[IntArray, FloatArray]:
+def nearest_triangles(
+    corners: FloatArray, width: int, height: int, *, slim: bool = True
+) -> tuple[IntArray, FloatArray]:
     """The triangle that each pixel shows, -1 where there is none, and its height there.
 
     corners : shape (n, 3, 3): pixels from the left, from the top, and towards the viewer
     (`Camera.pixels`), finite. A pixel is covered where its centre is, and where the longest side of
-    a triangle passes that is narrower than a pixel: slim faces are seen as lines. Of triangles at
-    the same height it shows the last. Both arrays have shape (height, width); heights are -inf
-    where there is no triangle.
+    a triangle passes that is narrower than a pixel: slim faces are seen as lines, unless `slim` is
+    false. Of triangles at the same height it shows the last. Both arrays have shape (height,
+    width); heights are -inf where there is no triangle.
 
     >>> low = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]])
     >>> high = np.array([[0.0, 0, 1], [2, 0, 1], [0, 2, 1]])
@@ -63,7 +65,7 @@ def nearest_triangles(corners: FloatArray, width: int, height: int) -> tuple[Int
             np.maximum.at(depth, pixel, there)
             visible = there >= depth[pixel]
             owner[pixel[visible]] = shown[visible]
-    for pixel, there, shown in _slim(corners, width, height):
+    for pixel, there, shown in _slim(corners, width, height) if slim else ():
         np.maximum.at(depth, pixel, there)
         visible = there >= depth[pixel]
         owner[pixel[visible]] = shown[visible]

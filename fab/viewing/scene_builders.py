@@ -175,16 +175,18 @@ def laid_flat(pattern: CreasePattern, coords: FloatArray) -> tuple[FloatArray, F
     coords : shape (nv, 3). The turn has shape (3, 3) and is no mirror; the shift has shape (3,).
     """
     middle = coords.mean(axis=0)
-    _, vectors = np.linalg.eigh((coords - middle).T @ (coords - middle))
+    size = float(np.abs(coords - middle).max(initial=0.0)) or 1.0
+    local = (coords - middle) / size
+    _, vectors = np.linalg.eigh(local.T @ local)
     axes: FloatArray = vectors.T[::-1].copy()
     for axis in axes[:2]:
         axis *= 1.0 if axis[np.argmax(np.abs(axis))] > 0 else -1.0
     axes[2] = np.cross(axes[0], axes[1])
     with np.errstate(invalid="ignore", divide="ignore"):
-        normals = face_normals(coords, pattern.faces_vertices, pattern.faces_offsets)
+        normals = face_normals(local, pattern.faces_vertices, pattern.faces_offsets)
     if np.nan_to_num(normals).sum(axis=0) @ axes[2] < -1e-9 * len(normals):
         axes[1:] *= -1
-    x, y = _box_length((coords - middle) @ axes[:2].T)
+    x, y = _box_length(local @ axes[:2].T)
     axes = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]]) @ axes
     return axes, -axes @ middle
 

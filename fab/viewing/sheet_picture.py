@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fab.errors import counted
 from fab.viewing.canvas import Box, Canvas
 from fab.viewing.drawing import divided, draw_form, draw_pattern, size_text
 from fab.viewing.scene import Scene
@@ -48,8 +49,8 @@ def sheet_png_bytes(scene: Scene) -> bytes:
             draw_form(canvas, box, drawn, "over its surface", "", axes=axes, scale=scale)
     counts = pattern.counts()
     title = (
-        f"crease pattern: {pattern.face_count} faces, {counts['M']} mountains (red), "
-        f"{counts['V']} valleys (blue)"
+        f"crease pattern: {counted(pattern.face_count, 'face')}, "
+        f"{counted(counts['M'], 'mountain')} (red), {counted(counts['V'], 'valley')} (blue)"
     )
     draw_pattern(canvas, flat, pattern, title, size_text("flat", pattern.vertices_coords))
     return canvas.png_bytes()

@@ -14,7 +14,8 @@ from solver.vectors import FloatArray, IntArray
 __all__ = ["best_view"]
 
 _PIXELS = 120
-_AZIMUTHS_DEG = tuple(range(-60, 300, 30))
+# None of them looks along a side of the box around a form, which would show no depth.
+_AZIMUTHS_DEG = tuple(-67.5 + 45 * k for k in range(8))
 _LYING_DEG = (35.0, 50.0)
 _UPRIGHT_DEG = (15.0, 30.0, 45.0)
 # A view that follows must be better by this share: near ties stay with the first.
@@ -54,7 +55,8 @@ def best_view(forms: Sequence[FloatArray], faces: IntArray, *, upright: bool) ->
 
 def _entropy(corners: FloatArray, faces: IntArray) -> float:
     """Entropy of the shares of a picture that faces and the background have."""
-    owner, _ = nearest_triangles(corners, _PIXELS, _PIXELS)
+    slim = len(corners) < _PIXELS**2  # of more, all are: what their middles show is enough
+    owner, _ = nearest_triangles(corners, _PIXELS, _PIXELS, slim=slim)
     seen = np.bincount(faces[owner[owner >= 0]], minlength=1)
     shares = seen[seen > 0] / owner.size
     return float(-(shares * np.log(shares)).sum())

@@ -77,7 +77,8 @@ def test_sheets_are_wholly_in_their_frames_and_fill_them(name):
     assert 20 <= columns[0] < columns[-1] < 1580
     assert 40 <= rows[0] < rows[-1] < 860
     # form and pattern fill the picture in one direction, beside or above each other
-    assert np.ptp(columns) > 1450 or np.ptp(rows) > 720
+    _, _, first, last = inked(image[70:840])
+    assert last - first > 1450 or np.ptp(rows) > 720
     top, bottom, left, right = inked(image)
     assert min(top, 899 - bottom, left, 1599 - right) >= 4
 
@@ -288,7 +289,7 @@ def test_thick_sheets_are_shown_flat_and_folded():
         sand = half[..., 0] > half[..., 2] + 30
         hinge = half[..., 2] > half[..., 0] + 100  # a valley's is blue
         assert sand.mean() > 0.1
-        assert 50 < hinge.sum() < sand.sum() / 5
+        assert 10 < hinge.sum() < sand.sum() / 5
         assert (half[:, :20] == 255).all()
         assert (half[:, -20:] == 255).all()
     assert len(bars(image)) == 2
