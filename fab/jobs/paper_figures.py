@@ -9,7 +9,7 @@ figure 4, folding. Their numbers in print may be others.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from solver import BrownianRibbon, CorneredMiura, Crumpled, TiltedRings
 from solver.flap_landscape import flap_angle_landscape
 from solver.growth_order import grown_strips
 from solver.strip_family import strip_family
+from solver.vectors import FloatArray
 
 __all__ = ["NUMBERING", "PAPER_FIGURES", "PaperFigure"]
 
@@ -129,7 +130,12 @@ _S11 = (
 
 
 def _surfaces() -> Drawing:
-    sheets = _shipped(_S11, upright=True)
+    sheets = []
+    views: dict[str, FloatArray] = {}  # of the coarsest sheet of each surface
+    for name in _S11:
+        sheet = shown_sheet(models.shipped_mesh(name), name, upright=True)
+        view = views.setdefault(name.rstrip("0123456789"), sheet.view)
+        sheets.append(replace(sheet, view=view))
     return galleries.gallery_figure(sheets, "Sheets that follow surfaces", columns=5)
 
 

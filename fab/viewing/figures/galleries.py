@@ -25,7 +25,7 @@ def gallery_figure(sheets: Sequence[ShownSheet], title: str, columns: int = 4) -
         tall = _HEIGHT / height
         name = f"{sheet.name}: {sheet.pattern.face_count} quads"
         folded = plain(figure, (left, bottom + 0.46 * tall, wide, 0.46 * tall), name)
-        draw_folded(folded, sheet)
+        draw_folded(folded, sheet, finer=2)
         draw_flat(plain(figure, (left, bottom + 0.03 * tall, wide, 0.4 * tall)), sheet)
     figure.text(0.5, 1 - 0.5 * _HEAD / height, title, ha="center", va="center", fontsize=13)
     return Drawing(figure)

@@ -66,9 +66,15 @@ def shown_sheet(mesh: QuadMesh, name: str, *, upright: bool = False) -> ShownShe
     return ShownSheet(name, pattern, steps, triangles, view)
 
 
-def draw_folded(axes: Any, sheet: ShownSheet, shown: BoolArray | None = None) -> None:
-    """The folded form, in a frame that holds all of it; shown : faces that are drawn, (nf,)."""
-    paint(axes, sheet.view, sheet.folded_coords, sheet.triangles, sheet.folded_coords, shown)
+def draw_folded(
+    axes: Any, sheet: ShownSheet, shown: BoolArray | None = None, *, finer: int = 1
+) -> None:
+    """The folded form, in a frame that holds all of it; shown : faces that are drawn, (nf,).
+
+    finer : pixels of its image along a pixel of the figure.
+    """
+    coords = sheet.folded_coords
+    paint(axes, sheet.view, coords, sheet.triangles, coords, shown, finer=finer)
 
 
 def paint(
@@ -78,14 +84,17 @@ def paint(
     triangles: Triangles,
     extent: FloatArray,
     shown: BoolArray | None = None,
+    *,
+    finer: int = 1,
 ) -> None:
     """Paint the faces of a sheet as an image that fills axes; what is nearer hides what is further.
 
-    view : axes of a camera, which shows all points of `extent`, shape (n, 3).
+    view : axes of a camera, which shows all points of `extent`, shape (n, 3). finer : pixels of the
+    image along a pixel of the figure.
     """
     box = axes.bbox
-    width, height = max(1, round(box.width)), max(1, round(box.height))
-    view_of_all = fitted(view, extent, width, height, _MARGIN)
+    width, height = (max(1, finer * round(side)) for side in (box.width, box.height))
+    view_of_all = fitted(view, extent, width, height, finer * _MARGIN)
     image = np.ones((height, width, 3))
     kept = slice(None) if shown is None else shown[triangles.faces]
     drawn = Triangles(triangles.vertices[kept], triangles.faces[kept])

@@ -154,13 +154,14 @@ def special_figure(family: VertexFamily) -> Drawing:
     for number, (name, angle) in enumerate(choices):
         row, column = divmod(number, columns)
         height = 0.95 / rows
-        place = (column / columns, 0.95 - (row + 1) * height, 1 / columns, 0.84 * height)
+        bottom = 0.95 - (row + 0.94) * height
+        place = (column / columns, bottom, 1 / columns, 0.78 * height)
         axes = plain(figure, place, f"{name}\n" + rf"$\alpha$ = {np.degrees(angle):.1f}°")
         one = vertex_family(family.a, family.b, family.c, np.array([angle]))
         _draw_vertex(axes, one, 0)
         words = rf"$\theta_1$ = {np.degrees(one.theta1[0]):.1f}°, "
         words += rf"$\theta_2$ = {np.degrees(one.theta2[0]):.1f}°"
-        axes.text(0.5, 0.0, words, transform=axes.transAxes, ha="center", fontsize=9)
+        axes.text(0.5, -0.03, words, transform=axes.transAxes, ha="center", fontsize=9)
     figure.text(0.5, 0.97, "Special flap angles of one vertex", ha="center", fontsize=12)
     return Drawing(figure)
 
