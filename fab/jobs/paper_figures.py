@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 
 import numpy as np
 
@@ -31,7 +32,6 @@ from solver import BrownianRibbon, CorneredMiura, Crumpled, TiltedRings
 from solver.flap_landscape import flap_angle_landscape
 from solver.growth_order import grown_strips
 from solver.strip_family import strip_family
-from solver.vectors import FloatArray
 
 __all__ = ["NUMBERING", "PAPER_FIGURES", "PaperFigure"]
 
@@ -130,12 +130,11 @@ _S11 = (
 
 
 def _surfaces() -> Drawing:
-    sheets = []
-    views: dict[str, FloatArray] = {}  # of the coarsest sheet of each surface
-    for name in _S11:
-        sheet = shown_sheet(models.shipped_mesh(name), name, upright=True)
-        view = views.setdefault(name.rstrip("0123456789"), sheet.view)
-        sheets.append(replace(sheet, view=view))
+    sheets: list[ShownSheet] = []
+    for _, names in groupby(_S11, lambda name: name.rstrip("0123456789")):
+        alike = _shipped(list(names), upright=True)
+        view = alike[len(alike) // 2].view  # one for all sheets of a surface
+        sheets += [replace(sheet, view=view) for sheet in alike]
     return galleries.gallery_figure(sheets, "Sheets that follow surfaces", columns=5)
 
 
