@@ -4,8 +4,12 @@ With residuals h of the hard terms and s of the soft ones, each step goes toward
 
     W |h|^2 + sum w |s|^2 + mu |x - x0|^2 / step^2
 
-by the gradients at x0. The damping mu grows until a step lowers the sum, and shrinks after one that
-gains what was expected of it; the weight W grows threefold whenever a step gains less than 2 %.
+by the gradients at x0, and then on, with the same factors, by what the residuals are there beyond
+what the gradients promised: constraints are curved, and straight steps along them short (M. K.
+Transtrum and J. P. Sethna, "Improvements to the Levenberg-Marquardt algorithm for nonlinear
+least-squares minimization", arXiv:1201.5885 (2012)). The damping mu grows until a step lowers the
+sum, and shrinks after one that gains what was expected of it; the weight W grows threefold whenever
+a step gains less than 2 %.
 """
 
 from __future__ import annotations
@@ -26,6 +30,8 @@ _FIRST_DAMPING = 1e-3
 _LEAST_DAMPING, _MOST_DAMPING = 1e-9, 1e6
 _RAISED, _LOWERED = 4.0, 5.0
 _LITTLE_GAIN = 0.02
+# The second part of a step is at most this share of the first one.
+_MOST_BEND = 0.75
 _HARDER = 3.0
 _MOST_WEIGHT = 1e8
 # A sum of squares of this size for each vertex is rounding.
@@ -120,10 +126,16 @@ def _round(
     while damping <= _MOST_DAMPING:
         damped = matrix.copy()
         damped[assembly.triangle.diagonal] += damping / step**2
-        solution = system.factorised(damped).solve(-slope)
+        factors = system.factorised(damped)
+        solution = factors.solve(-slope)
         if solution.good:
             move = solution.x
             there = _linearised(here.coords + move.reshape(-1, 3), hard, soft)
+            bends = _bends(linears, [*there.hard, *there.soft], move.reshape(-1, 3))
+            bend = factors.solve(-assembly.gradient(gradients, all_weights, bends).ravel()).x
+            if np.linalg.norm(bend) <= _MOST_BEND * np.linalg.norm(move):
+                bent = _linearised(here.coords + (move + bend).reshape(-1, 3), hard, soft)
+                there = _lower(bent, there, here.hard_weight, weights)
             gain = before - there.total(here.hard_weight, weights)
             if gain > 0:  # NaN is not
                 expected = float(np.sum(move * (damping / step**2 * move - slope)))
@@ -137,6 +149,24 @@ def _round(
                 )
         damping, raised = raised * damping, 2 * raised
     return replace(here, moved=False)
+
+
+def _bends(before: Sequence[Linear], after: Sequence[Linear], move: FloatArray) -> list[FloatArray]:
+    """By how much residuals differ from what their gradients promise of a move, shape (n,) each."""
+    out = []
+    for one, other in zip(before, after, strict=True):
+        vertices = one.term.vertices
+        moves = np.where((vertices >= 0)[:, :, None], move[vertices], 0.0)
+        out.append(other.values - one.values - np.einsum("nkc,nkc->n", one.gradients, moves))
+    return out
+
+
+def _lower(
+    first: Descent, second: Descent, hard_weight: float, weights: Sequence[float]
+) -> Descent:
+    """That of two places where the sum is less; the second where the first has none."""
+    lower = first.total(hard_weight, weights) < second.total(hard_weight, weights)
+    return first if lower or not np.isfinite(second.total(hard_weight, weights)) else second
 
 
 def _next_damping(damping: float, ratio: float) -> float:
