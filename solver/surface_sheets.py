@@ -80,6 +80,8 @@ _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
 MOST_COLUMNS = 400
+# Finer sheets hold all but sides and rim by as much more, at most, else the rim bends them.
+_FIRMEST = 4.0
 # A surface is halved at most twice.
 MOST_SHEETS = 4
 
@@ -332,12 +334,11 @@ class _Search:
         aim : bounds of its soft terms; wanted : those that faces keep when they are trimmed.
         """
         target, sheet, pleats = laid.lay.target, laid.sheet, laid.pleats
-        fine = max(1.0, (laid.columns / _FIRST_COLUMNS) ** 2)
-        firm = min(fine, 4.0)
+        firm = min(max(1.0, (laid.columns / _FIRST_COLUMNS) ** 2), _FIRMEST)
         wishes = replace(
             self.wishes,
             bounds=aim,
-            side=self.wishes.side / fine,
+            offset=self.wishes.offset * firm,
             least=self.wishes.least * firm,
             fold=self.wishes.fold * firm,
             bound=self.wishes.bound * firm,

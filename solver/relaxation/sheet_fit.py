@@ -1,8 +1,9 @@
 """A pleated sheet relaxed onto a surface, from coarse to fine.
 
 Large zigzags (two or three steps) reach furthest on domes: each cell can then be much wider or
-narrower than others without its folds closing. A hemisphere is covered so by up to 40 columns; with
-60 and more the search from a stereographic map ends stuck or with faces that cross.
+narrower than others without its folds closing. A hemisphere is covered so by 160 columns. Sheets
+with cells left out begin with all their vertices: carried over from larger cells, those at a jagged
+rim begin further off than on their own offsets, and as many rounds are needed.
 """
 
 from __future__ import annotations

@@ -416,3 +416,11 @@ def test_coarse_starts_save_rounds_on_the_fine_sheet():
     alone = relaxed_sheet(target, sheet, start=sheet.points(target))
     assert begun.relaxation.rounds < alone.relaxation.rounds
     assert np.abs(begun.deviations).mean() <= 1.05 * np.abs(alone.deviations).mean()
+
+
+@pytest.mark.parametrize(("case", "straight"), [(hemisphere, 73), (vase_tube, 37)])
+def test_steps_that_follow_the_bend_of_the_constraints_are_fewer(case, straight):
+    """Than those along their tangents alone, of which as many were counted."""
+    fit = relaxed_sheet(*case())
+    assert fit.relaxation.status is RelaxationStatus.RELAXED
+    assert fit.relaxation.rounds <= 0.8 * straight

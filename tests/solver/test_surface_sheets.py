@@ -293,7 +293,7 @@ def test_a_noisy_surface_is_followed_smoothed_and_told_by_how_much():
     "bounds",
     [
         {"least_side": 0.85},
-        {"least_inradius": 0.36},
+        {"least_inradius": 0.38},
         {"least_sector": np.radians(35)},
         {"most_fold": np.radians(150)},
     ],
