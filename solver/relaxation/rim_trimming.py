@@ -6,7 +6,8 @@
         |   |   |            one with three faces stays, for its creases run on.
         o---o---o
 
-Faces stay planar and sectors as they are: the sheet is as exact as before.
+Faces stay planar and sectors as they are: the sheet is as exact as before. A face at the rim has a
+free side, which may swing into another one: such faces are dropped.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 from solver.coverage import one_piece
 from solver.graphs import EdgeIndex
 from solver.mesh import QuadMesh, edges_of, grid_faces
+from solver.self_intersection import crossing_faces
 from solver.targets.mesh_target import MeshTarget
 from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
@@ -54,7 +56,8 @@ def trimmed(
 
     mesh : an open patch. Cells with less than a fifth over the surface are dropped, as long as no
     more than 0.3 % of the sheet is lost. Where a side would keep less than 0.3 of its length it is
-    left longer. fine : of vertices and faces, whether each face may be so; where one is not fine
+    left longer. Faces of the rim that cross others are dropped where no more than 0.3 % of
+    all have to be. fine : of vertices and faces, whether each face may be so; where one is not fine
     any more, its sides are left longer too.
     """
     share = shares_over(target, mesh.vertices_coords, mesh.faces_vertices)
@@ -79,7 +82,25 @@ def trimmed(
     _slide(target, coords, faces[face, (place + 2) % 4], faces[face, place], _SHORTEST_DIAGONAL)
     if fine is not None:
         coords = _eased(mesh.vertices_coords, coords, faces, fine)
-    return QuadMesh(coords, faces, mesh.grid, mesh.closed)
+    return _uncrossed(QuadMesh(coords, faces, mesh.grid, mesh.closed))
+
+
+def _uncrossed(mesh: QuadMesh) -> QuadMesh:
+    """The mesh without faces of its rim that cross others; as it is where others cross too."""
+    faces = mesh.faces_vertices
+    pairs = crossing_faces(mesh.vertices_coords, *mesh.polygons)
+    edges_faces = edges_of(faces.ravel(), 4 * np.arange(len(faces) + 1)).edges_faces
+    rim = np.zeros(len(faces), bool)
+    rim[edges_faces[edges_faces[:, 1] < 0, 0]] = True
+    drop = np.zeros(len(faces), bool)
+    while len(pairs) and drop.sum() + 1 <= _MAY_MISS * len(faces):
+        crossed = np.where(rim, np.bincount(pairs.ravel(), minlength=len(faces)), 0)
+        worst = int(np.argmax(crossed))
+        if not crossed[worst]:
+            break
+        drop[worst] = True
+        pairs = pairs[(pairs != worst).all(axis=1)]
+    return mesh if len(pairs) or not drop.any() else _without(mesh, drop)
 
 
 def _eased(
@@ -109,6 +130,11 @@ def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:
     lost = np.cumsum(share[order]) <= _MAY_MISS * share.sum()
     drop = np.zeros(len(share), bool)
     drop[order] = lost & (share[order] < _SLIVER)
+    return _without(mesh, drop)
+
+
+def _without(mesh: QuadMesh, drop: BoolArray) -> QuadMesh:
+    """The mesh without the faces to drop, shape (nf,), in one piece."""
     corners = grid_faces(mesh.grid, mesh.closed)
     number = EdgeIndex.of(mesh.faces_vertices[:, [0, 2]], len(mesh.vertices_coords), directed=True)
     face = number.find(corners[:, [0, 2]])

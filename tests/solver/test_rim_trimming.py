@@ -13,6 +13,7 @@ from solver.relaxation import relaxed_sheet
 from solver.relaxation.laying import Pleats, laid_patch, rim_planes
 from solver.relaxation.neighbours import opposite_pairs
 from solver.relaxation.rim_trimming import shares_over, trimmed
+from solver.self_intersection import crossing_faces
 from solver.surface_cover import covered
 from solver.surface_maps import disc_map
 from solver.targets.mesh_target import MeshTarget
@@ -103,6 +104,30 @@ def test_trimming_keeps_sheets_exact_and_the_surface_covered(arrays):
     )
     aside = [shares_over(target, m.vertices_coords, m.faces_vertices).mean() for m in (whole, out)]
     assert aside[1] > aside[0]
+
+
+@pytest.mark.parametrize("size", [12, 20])
+def test_a_face_of_the_rim_that_crosses_another_is_dropped_from_a_large_sheet(size):
+    """Two cells beside a corner of a square stand upright and lean through each other."""
+    ends = -0.9, 0.9
+    flat = flat_sheet(size + 2, size + 2, ends, ends)
+    kept = np.ones((size + 1, size + 1), bool)
+    kept[0], kept[:, 0] = False, False
+    kept[2, 0] = kept[0, 2] = True
+    sheet = flat.with_faces(kept)
+    coords, side = sheet.vertices_coords.copy(), 1.8 / (size + 1)
+    corner = coords[sheet.grid[1, 1]]
+    for axis, free in ((0, sheet.grid[2:4, 0]), (1, sheet.grid[0, 2:4])):
+        lean = np.sign(corner[1 - axis]) * 2 * side
+        coords[free, axis] = corner[axis]
+        coords[free, 1 - axis] += lean
+        coords[free, 2] += side
+    swung = QuadMesh(coords, sheet.faces_vertices, sheet.grid)
+    assert len(crossing_faces(coords, *swung.polygons)) == 1
+    out = trimmed(square(), swung)
+    large = len(swung.faces_vertices) > 1 / 0.003
+    assert len(swung.faces_vertices) - len(out.faces_vertices) == large
+    assert len(crossing_faces(out.vertices_coords, *out.polygons)) == (not large)
 
 
 def test_pairs_across_a_concave_corner_are_both_there():
