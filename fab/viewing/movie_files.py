@@ -45,13 +45,12 @@ def gif_bytes(pictures: Sequence[Any], order: Sequence[int], times_ms: Sequence[
     from PIL import Image
 
     chosen = np.unique(np.linspace(0, len(pictures) - 1, _SAMPLED).round().astype(int)).tolist()
-    samples = [pictures[k].reduce(2) for k in chosen]
-    width, height = samples[0].size
-    strip = Image.new("RGB", (width, height * len(samples)))
-    for number, sample in enumerate(samples):
-        strip.paste(sample, (0, number * height))
-    found = strip.quantize(_COLOURS, Image.Quantize.MEDIANCUT).getpalette() or []
-    colours = np.array(found[: 3 * _COLOURS]).reshape(-1, 3)
+    pixels = np.concatenate([np.asarray(pictures[k].reduce(2)).reshape(-1, 3) for k in chosen])
+    own, counts = np.unique(pixels, axis=0, return_counts=True)
+    # colours of small things count too, such as those of a scale
+    weighed = np.repeat(own, np.ceil(np.sqrt(counts)).astype(int), axis=0)
+    chosen_colours = Image.fromarray(weighed[None]).quantize(_COLOURS, Image.Quantize.MEDIANCUT)
+    colours = np.array((chosen_colours.getpalette() or [])[: 3 * _COLOURS]).reshape(-1, 3)
     # white itself, and nothing beside it: Pillow looks colours up by their upper six bits
     colours[colours.min(axis=1) >= _NEARLY_WHITE] = 255
     palette = Image.new("P", (1, 1))

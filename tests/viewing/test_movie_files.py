@@ -42,6 +42,17 @@ def test_gifs_have_all_frames_in_their_order_with_their_times():
             )
 
 
+def test_colours_of_small_things_are_kept():
+    """A scale of colours below a large face of one colour."""
+    image = np.full((400, 400, 3), 255, np.uint8)
+    image[20:300, 20:380] = [200, 30, 30]
+    scale = np.linspace(0, 1, 200)[:, None] * [-200, 100, 40] + [220, 60, 80]
+    image[360:374, 100:300] = np.repeat(scale[None], 14, axis=0)
+    with Image.open(io.BytesIO(gif_bytes([Image.fromarray(image)] * 3, [0, 1], [1, 1]))) as movie:
+        shown = np.asarray(movie.convert("RGB"), int)
+    assert np.abs(shown[365, 100:300] - image[365, 100:300]).max() < 12
+
+
 def test_there_and_back_of_few_pictures():
     assert there_and_back(1) == ([0], [1500])
     assert there_and_back(2) == ([0, 1], [1500, 1500])
