@@ -24,7 +24,7 @@ from fab.drawings.layer_colours import Colours
 from fab.errors import Finding, Severity, counted
 from fab.viewing.drawing import CREASE_INK
 from fab.viewing.face_triangles import face_corner_triangles
-from fab.viewing.page_data import page_data, state_names
+from fab.viewing.page_data import has_face_values, page_data, state_names
 from fab.viewing.page_drawings import (
     LOWER,
     MOST_LINES,
@@ -61,6 +61,8 @@ _ASKED = ("job", "settings", "material", "machine", "printer", "solver")
 # Of a report, what the page shows elsewhere or, as the seconds, not at all.
 _ELSEWHERE = ("outputs", "findings", "seconds", "quadfold", "name")
 _PICTURE_COLOURS = 64
+# From the least to the largest value.
+_RAMP = ("#ffffcc", "#ffeda0", "#fed976", "#feb24c", "#fd8d3c", "#fc4e2a", "#e31a1c", "#800026")
 _POLICY = (
     "default-src 'none'; script-src 'sha256-{script}'; style-src 'sha256-{style}'; "
     "img-src data:; base-uri 'none'; form-action 'none'"
@@ -131,7 +133,7 @@ def _view(scene: Scene) -> FloatArray:
 
 
 def _data(page: ResultPage, axes: FloatArray) -> dict[str, Any]:
-    colours = {"upper": UPPER, "lower": LOWER, "edges": CREASE_INK}
+    colours = {"upper": UPPER, "lower": LOWER, "edges": CREASE_INK, "ramp": _RAMP}
     data = page_data(page.scene, page.findings)
     last = page.scene.state_count - 1 if page.panels_state is None else page.panels_state
     return {**data, "panelsState": last, "view": axes[2].tolist(), "colours": colours}
@@ -206,6 +208,7 @@ def _form(page: ResultPage, axes: FloatArray) -> Iterator[str]:
             '<label><input type="radio" name="shown" value="sheet" checked>sheet</label>'
             '<label><input type="radio" name="shown" value="panels">panels</label></fieldset>'
         )
+    yield from _coloured(page.scene)
     yield '<label><input type="checkbox" id="creases" checked>lines</label>'
     yield _steps(("left", "Turn left", "↺"), ("right", "Turn right", "↻"))
     yield "</div>"
@@ -224,6 +227,27 @@ def _form(page: ResultPage, axes: FloatArray) -> Iterator[str]:
     if not pictures:
         yield f"<figure>{form_svg(page.scene, axes, f'{page.title}, folded')}</figure>"
     yield "</div></details></section>"
+
+
+def _coloured(scene: Scene) -> Iterator[str]:
+    """The choice between the colours of the sides and those of values of faces, and their scale."""
+    if scene.values is None or not has_face_values(scene) or scene.bodies is not None:
+        return
+    scale = scene.values.scale
+    low, middle, high = (f"{scale.value_at(share):.3g} {scale.unit}" for share in (0, 0.5, 1))
+    stops = "".join(
+        f'<rect x="{number}" width="1.05" height="1" fill="{colour}"/>'
+        for number, colour in enumerate(_RAMP)
+    )
+    yield (
+        "<fieldset><legend>Colour</legend>"
+        '<label><input type="radio" name="coloured" value="sides" checked>sides</label>'
+        f'<label><input type="radio" name="coloured" value="values">{escape(scale.name)}</label>'
+        f'</fieldset><span class="scale" hidden>{escape(low)} '
+        f'<svg width="120" height="12" viewBox="0 0 {len(_RAMP)} 1" preserveAspectRatio="none" '
+        f'role="img" aria-label="{escape(scale.kind)} scale, in the middle {escape(middle)}">'
+        f"{stops}</svg> {escape(high)}</span>"
+    )
 
 
 def _steps(*others: tuple[str, str, str]) -> str:

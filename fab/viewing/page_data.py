@@ -17,7 +17,10 @@ from fab.viewing.face_triangles import face_corner_triangles
 from fab.viewing.scene import Scene, SceneBodies
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["packed", "page_data", "state_names"]
+# Parts that the scale of values has.
+_STEPS = 255
+
+__all__ = ["has_face_values", "packed", "page_data", "state_names"]
 
 
 def page_data(scene: Scene, findings: Sequence[Finding]) -> dict[str, Any]:
@@ -36,6 +39,7 @@ def page_data(scene: Scene, findings: Sequence[Finding]) -> dict[str, Any]:
             "edges": packed(pattern.edges_vertices),
             "letters": "".join(pattern.edges_assignment.tolist()),
         },
+        "values": _values_data(scene),
         "bodies": None if scene.bodies is None else _bodies_data(scene.bodies),
         "pattern": {
             "coords": packed(pattern.vertices_coords),
@@ -60,6 +64,22 @@ def state_names(scene: Scene) -> list[str]:
         return list(scene.bodies.state_names)
     shares = scene.shares.tolist()
     return ["flat" if share == 0 else f"{share:.0%} of the fold" for share in shares]
+
+
+def has_face_values(scene: Scene) -> bool:
+    """Whether the sheet is coloured by values of its faces, from none to large ones."""
+    values = scene.values
+    return values is not None and not values.of_vertices and not values.scale.signed
+
+
+def _values_data(scene: Scene) -> dict[str, Any] | None:
+    """Where the values of faces are on their scale in all states, in 255 steps."""
+    if not has_face_values(scene):
+        return None
+    values = scene.values
+    assert values is not None
+    shares = [values.scale.shares(values.in_state(k)) for k in range(scene.state_count)]
+    return {"shares": packed(np.rint(_STEPS * np.stack(shares)).astype(np.int64))}
 
 
 def packed(array: FloatArray | IntArray) -> dict[str, str]:

@@ -18,12 +18,14 @@ from thick_sheets import miura_pattern, thick
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.drawings.svg import svg_bytes
 from fab.errors import Finding, Severity
+from fab.folding.fold_settings import FoldSettings
 from fab.folding.folded_states import folded_states
+from fab.folding.simulation import fold_and_judge
 from fab.viewing.page import ResultPage, page_bytes
 from fab.viewing.page_data import packed, page_data
 from fab.viewing.page_drawings import crease_drawing, sheet_drawing
 from fab.viewing.predicted_fold import predicted_scene
-from fab.viewing.scene_builders import pattern_scene, thick_scene
+from fab.viewing.scene_builders import folding_scene, pattern_scene, thick_scene
 
 KINDS = {"f32": "<f4", "u16": "<u2", "u32": "<u4"}
 FINDING = Finding("made-up", Severity.WARNING, "a < b & 'c'", creases=(1,), panels=(2,))
@@ -162,6 +164,18 @@ def test_states_are_those_of_the_scene():
     for face in range(pattern.face_count):
         corners = pattern.faces_vertices[slice(*pattern.faces_offsets[face : face + 2])]
         assert set(triangles[faces == face].ravel()) == set(corners)
+
+
+def test_strain_has_its_place_on_its_scale_in_every_state():
+    folding, _, _ = fold_and_judge(miura_pattern(3, 3), FoldSettings(steps=3))
+    own = folding_scene(folding, "miura")
+    page = page_of(scene=own)
+    shares = numbers(data_of(page)["values"]["shares"]).reshape(own.values.values.shape)
+    expected = own.values.scale.shares(own.values.values)
+    assert np.abs(shares / 255 - expected).max() <= 0.5 / 255 + 1e-12
+    assert expected.max() > 0.1
+    assert "0.01 %" in page.decode()
+    assert data_of(page_of())["values"] is None
 
 
 def test_bodies_come_to_where_the_scene_has_them():

@@ -126,6 +126,27 @@ def test_the_fold_plays_to_its_end(browser, pages):
         assert page.locator("#fold").input_value() == page.locator("#fold").get_attribute("max")
 
 
+def test_faces_are_coloured_by_strain_where_they_were_simulated(browser, pages):
+    with opened(browser, pages["simulate"]) as found:
+        page = found.page
+        fold_to(page, 0.5)
+        sides = shot(page)
+        assert not page.locator(".scale").is_visible()
+        page.get_by_label("strain").check()
+        assert page.locator(".scale").is_visible()
+        strained = shot(page)
+        assert (sides != strained).any(axis=2).mean() > 0.02
+        fold_to(page, 0.0)
+        assert (drawn(shot(page)) != drawn(strained)).any()
+        fold_to(page, 0.5)
+        assert (shot(page) == strained).all()
+        page.get_by_label("sides").check()
+        assert (shot(page) == sides).all()
+        assert found.complaints == []
+    with opened(browser, pages["run"]) as found:
+        assert found.page.get_by_label("strain").count() == 0
+
+
 def test_panels_take_the_place_of_the_sheet(browser, pages):
     with opened(browser, pages["run"]) as found:
         page = found.page

@@ -65,6 +65,20 @@ class Form {
     this.objects.push(new Mesh(this.geometry(index), material));
   }
 
+  /** The same triangles, each of its own colour, which `fold` finds. */
+  valued(index, faces, values, ramp) {
+    const [place, colour] = [0, 1].map(() => new BufferAttribute(new Float32Array(3 * index.length), 3));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", place);
+    geometry.setAttribute("color", colour);
+    const material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, flatShading: true });
+    Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    const mesh = new Mesh(geometry, material);
+    mesh.frustumCulled = false;
+    this.values = { mesh, index, faces, shares: values, colours: ramp.map((hex) => new Color(hex)) };
+    this.objects.push(mesh);
+  }
+
   lines(index, colour, look = {}) {
     const lines = new LineSegments(this.geometry(index), new LineBasicMaterial({ color: colour, ...look }));
     lines.userData.creases = true;
@@ -86,6 +100,30 @@ class Form {
   fold(place) {
     between(this.states, Math.min(place, this.states.length - 1), this.place.array);
     this.place.needsUpdate = true;
+    if (this.values?.mesh.visible) this.#paint(place);
+  }
+
+  #paint(place) {
+    const { mesh, index, faces, shares, colours } = this.values;
+    const { position, color } = mesh.geometry.attributes;
+    const count = shares.length / this.states.length;
+    const first = Math.min(Math.floor(place), this.states.length - 1);
+    const second = Math.min(first + 1, this.states.length - 1);
+    const mixed = new Color();
+    for (let corner = 0; corner < index.length; corner++) {
+      for (let k = 0; k < 3; k++) {
+        position.array[3 * corner + k] = this.place.array[3 * index[corner] + k];
+      }
+      if (corner % 3 === 0) {
+        const face = faces[corner / 3];
+        const [a, b] = [shares[first * count + face], shares[second * count + face]];
+        const at = ((a + (place - first) * (b - a)) / 255) * (colours.length - 1);
+        const low = Math.min(Math.floor(at), colours.length - 2);
+        mixed.lerpColors(colours[low], colours[low + 1], at - low);
+      }
+      mixed.toArray(color.array, 3 * corner);
+    }
+    position.needsUpdate = color.needsUpdate = true;
   }
 }
 
@@ -121,6 +159,8 @@ function sheetForm(data) {
   const { triangles, trianglesFace: faces, edges } = sheet;
   form.faces(triangles, colours.upper, FrontSide);
   form.faces(triangles, colours.lower, BackSide);
+  form.sides = [...form.objects];
+  if (data.values) form.valued(triangles, faces, data.values.shares, data.colours.ramp);
   for (const [letter, colour] of Object.entries(colours.edges)) {
     const own = [];
     for (let e = 0; e < sheet.letters.length; e++) if (sheet.letters[e] === letter) own.push(e);
@@ -196,6 +236,7 @@ export class FormView {
     this.direction = new Vector3(...data.view);
     this.place = 0;
     this.creases = true;
+    this.byValue = false;
     this.picked = { creases: [], panels: [] };
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement);
     this.show(Object.keys(this.forms)[0]);
@@ -212,6 +253,10 @@ export class FormView {
 
   fold(place) {
     this.place = place;
+    if (this.form.values) {
+      this.form.values.mesh.visible = this.byValue;
+      for (const side of this.form.sides) side.visible = !this.byValue;
+    }
     this.form.fold(place);
     if (this.distances && !this.moved) this.#follow();
     this.ask();
@@ -224,6 +269,11 @@ export class FormView {
     this.scene.background = new Color(getColour("--space"));
     this.scene.add(...this.lights, ...this.form.objects, ...this.form.lit);
     this.ask();
+  }
+
+  showValues(shown) {
+    this.byValue = shown;
+    this.fold(this.place);
   }
 
   showCreases(shown) {

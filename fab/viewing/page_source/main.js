@@ -33,6 +33,12 @@ function startView() {
       set(figure.querySelector("#fold").value);
     });
   }
+  for (const radio of figure.querySelectorAll("input[name=coloured]")) {
+    radio.addEventListener("change", () => {
+      made.showValues(radio.value === "values");
+      figure.querySelector(".scale").hidden = radio.value !== "values";
+    });
+  }
   const creases = figure.querySelector("#creases");
   creases.addEventListener("change", () => made.showCreases(creases.checked));
   const steps = {
