@@ -118,7 +118,7 @@ def bounds_figure(strip: GrownStrip, behind: FloatArray) -> Drawing:
         flat.fill(*outline.T, color=colour, lw=0)
     for row in coords:
         flat.plot(*row.T, color="#404040", lw=1)
-    longest = 3.0 * float(np.median(strip.lengths))
+    longest = 4.0 * float(np.median(strip.lengths))
     for i, bound in enumerate(rays.length_bounds.tolist()):
         start, end = coords[1, i], coords[2, i]
         along = (end - start) / np.linalg.norm(end - start)
