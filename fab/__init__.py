@@ -9,6 +9,7 @@
 | read a crease pattern | `read_pattern`, with `ReadOptions`; `read_any` and `convert` |
 | cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
 | fold it | `simulate`, with `FoldSettings`; `rigid_motion`, with flat faces |
+| see it grow and fold | `animate` |
 | print it | `make_thick`, with `thick_settings` |
 | have it as solids | `thicken`, with `PanelSettings` and `HingeSettings`; `step_bytes` |
 | have it in build123d | `assembly`, a Compound with a joint at every crease; `pose` it |
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from fab.folding.fold_settings import FoldSettings
     from fab.folding.rigid_motion import rigid_motion
     from fab.formats.read_options import ReadOptions
+    from fab.jobs.animation_files import animate
     from fab.jobs.conversion import convert
     from fab.jobs.folding_files import simulate
     from fab.jobs.job import Job, load_job, parse_job
@@ -78,6 +80,7 @@ __all__ = [
     "Sheet",
     "SheetRequest",
     "__version__",
+    "animate",
     "assembly",
     "convert",
     "fabricate",
@@ -115,6 +118,7 @@ _MODULES = {
     "Severity": "fab.errors",
     "Sheet": "fab.jobs.job_files",
     "SheetRequest": "fab.sheets.sheet_request",
+    "animate": "fab.jobs.animation_files",
     "assembly": "fab.panels.cad_assembly",
     "convert": "fab.jobs.conversion",
     "fabricate": "fab.jobs.sheet_files",

@@ -150,8 +150,6 @@ class Canvas:
 
     def png_bytes(self) -> bytes:
         """The picture as a PNG file; the same picture gives the same bytes."""
-        from PIL import Image  # noqa: F401  (matplotlib writes through it)
-
         stream = io.BytesIO()
         self._place_pixels()
         with warnings.catch_warnings():  # letters that the font has not are boxes
