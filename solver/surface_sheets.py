@@ -75,6 +75,9 @@ _WHOLE = 0.999
 # What a good sheet covers and how far at most it is off its offsets, in steps.
 _COVERED = 0.99
 _OFF = 0.15
+# Shares of a sheet that may be lost where it reaches over the rim by more than half a cell: the
+# first with which enough is covered.
+_MAY_FALL = (0.02, 0.006, 0.0)
 # Radians by which the sectors around a vertex of an exact sheet differ from a full turn.
 _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
@@ -343,28 +346,36 @@ class _Search:
             fold=self.wishes.fold * firm,
             bound=self.wishes.bound * firm,
         )
+        held = held_vertices(target, sheet)
         fit = relaxed_sheet(
             target,
             sheet,
             wishes,
-            held=held_vertices(target, sheet),
+            held=held,
             rim=rim_planes(target, sheet),
             start=start,
             interrupted=self.interrupted,
         )
-        mesh = fit.mesh
-        if not sheet.closed:
-            mesh = trimmed(target, mesh, None if wanted is None else wanted.faces_fine)
-        held = [(mesh.vertices_coords, mesh.faces_vertices)]
-        off, used = fit.deviations * sheet.cell.step, np.unique(sheet.faces_vertices)
-        made = SurfaceSheet(
+        mesh, under = fit.mesh, 0.0
+        for share in (0.0,) if sheet.closed else _MAY_FALL:
+            if not sheet.closed:
+                fine = None if wanted is None else wanted.faces_fine
+                mesh = trimmed(target, fit.mesh, fine, sheet.cell.along / 2, share)
+            made = [(mesh.vertices_coords, mesh.faces_vertices)]
+            under = float(covered(target, made, 2 * sheet.cell.thickness).mean())
+            if under >= _COVERED:
+                break
+        off = fit.deviations * sheet.cell.step
+        used = np.unique(sheet.faces_vertices)
+        used = used[held[used]]
+        found = SurfaceSheet(
             mesh,
             target.mesh,
             fit.relaxation.status,
             fit.relaxation.advice,
             fit.relaxation.rounds,
             off,
-            float(covered(target, held, 2 * sheet.cell.thickness).mean()),
+            under,
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
             _least_sector(mesh),
             sheet.cell.step / pleats.stretch,
@@ -372,7 +383,7 @@ class _Search:
             laid.turn,
             float(np.abs(off + sheet.offsets[used]).max(initial=0.0)),
         )
-        return made, fit.relaxation.coords
+        return found, fit.relaxation.coords
 
     def _near_goals(self, laid: _Laid, larger: float) -> SurfaceSheet:
         """A sheet relaxed, and again towards its goals, aimed beyond them by what is missed.

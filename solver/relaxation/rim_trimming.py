@@ -13,6 +13,7 @@ free side, which may swing into another one: such faces are dropped.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,13 +45,15 @@ def shares_over(target: MeshTarget, coords: FloatArray, faces_vertices: IntArray
     s, t = (a.reshape(-1, 1) for a in np.meshgrid(_WITHIN, _WITHIN))
     weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
     within = np.einsum("kpq,fkd->fpd", weights, coords[faces_vertices])
-    return np.asarray(_over(target, within.reshape(-1, 3)).reshape(len(within), -1).mean(axis=1))
+    return np.asarray(_over(target, within.reshape(-1, 3)).reshape(within.shape[:2]).mean(axis=1))
 
 
 def trimmed(
     target: MeshTarget,
     mesh: QuadMesh,
     fine: Callable[[FloatArray, IntArray], BoolArray] | None = None,
+    most_beyond: float = np.inf,
+    may_fall: float = 0.0,
 ) -> QuadMesh:
     """The sheet without cells beyond the rim of its surface, its sides shortened to the rim.
 
@@ -58,10 +61,55 @@ def trimmed(
     more than 0.3 % of the sheet is lost. Where a side would keep less than 0.3 of its length it is
     left longer. Faces of the rim that cross others are dropped where no more than 0.3 % of
     all have to be. fine : of vertices and faces, whether each face may be so; where one is not fine
-    any more, its sides are left longer too.
+    any more, its sides are left longer too. most_beyond : vertices that remain farther beyond the
+    rim lose a face each, as long as no more than the share `may_fall` of the sheet is lost so.
     """
     share = shares_over(target, mesh.vertices_coords, mesh.faces_vertices)
-    mesh = _without_slivers(mesh, share)
+    if not share.any():
+        return mesh  # a sheet that went astray
+    budget = may_fall * share.sum()
+    mesh = _without(mesh, _slivers(share))
+    while True:
+        short = _shortened(target, mesh)
+        if fine is not None:
+            eased = _eased(mesh.vertices_coords, short.vertices_coords, mesh.faces_vertices, fine)
+            short = replace(short, vertices_coords=eased)
+        drop, lost = _far_beyond(target, short, most_beyond, budget)
+        budget -= lost
+        if not drop.any():
+            return _uncrossed(short)
+        mesh = _without(mesh, drop)
+
+
+def _far_beyond(
+    target: MeshTarget, mesh: QuadMesh, most: float, budget: float
+) -> tuple[BoolArray, float]:
+    """Faces of vertices that are too far beyond the rim, and their share that is over the surface.
+
+    One for each vertex, that with the least share over the surface; the farthest vertices first,
+    as many as the budget of shares allows.
+    """
+    coords, faces = mesh.vertices_coords, mesh.faces_vertices
+    _, _, places = target.distance(coords, target.unknown(len(coords)))
+    beyond = norm(target.point(places) - target.mesh_point(places))
+    around = np.flatnonzero((beyond > most)[faces].any(axis=1))
+    if not len(around):
+        return np.zeros(len(faces), bool), 0.0
+    share = shares_over(target, coords, faces[around])
+    drop, lost = np.zeros(len(faces), bool), 0.0
+    for vertex in np.argsort(-beyond, kind="stable")[: np.count_nonzero(beyond > most)].tolist():
+        beside = np.flatnonzero((faces[around] == vertex).any(axis=1))
+        if not len(beside) or drop[around[beside]].any():
+            continue
+        least = beside[np.argmin(share[beside])]
+        if lost + share[least] <= budget:
+            drop[around[least]] = True
+            lost += float(share[least])
+    return drop, lost
+
+
+def _shortened(target: MeshTarget, mesh: QuadMesh) -> QuadMesh:
+    """The mesh with the sides that end beyond the rim shortened to it."""
     coords, faces = mesh.vertices_coords.copy(), mesh.faces_vertices
     count = np.bincount(faces.ravel(), minlength=len(coords))
     edges = edges_of(faces.ravel(), 4 * np.arange(len(faces) + 1))
@@ -80,9 +128,7 @@ def trimmed(
     _slide(target, coords, ends[sliding, 1], ends[sliding, 0], _SHORTEST)
     face, place = np.nonzero((count == 1)[faces] & ~paired[faces])
     _slide(target, coords, faces[face, (place + 2) % 4], faces[face, place], _SHORTEST_DIAGONAL)
-    if fine is not None:
-        coords = _eased(mesh.vertices_coords, coords, faces, fine)
-    return _uncrossed(QuadMesh(coords, faces, mesh.grid, mesh.closed))
+    return replace(mesh, vertices_coords=coords)
 
 
 def _uncrossed(mesh: QuadMesh) -> QuadMesh:
@@ -122,15 +168,13 @@ def _eased(
     return whole + share * (short - whole)
 
 
-def _without_slivers(mesh: QuadMesh, share: FloatArray) -> QuadMesh:
-    """The mesh without cells that are hardly over the surface, in one piece."""
-    if not share.any():
-        return mesh  # a sheet that went astray
+def _slivers(share: FloatArray) -> BoolArray:
+    """Faces that are hardly over the surface."""
     order = np.argsort(share, kind="stable")
     lost = np.cumsum(share[order]) <= _MAY_MISS * share.sum()
     drop = np.zeros(len(share), bool)
     drop[order] = lost & (share[order] < _SLIVER)
-    return _without(mesh, drop)
+    return drop
 
 
 def _without(mesh: QuadMesh, drop: BoolArray) -> QuadMesh:
