@@ -24,6 +24,7 @@ WINGS = {
 }
 WINGS["viewing"] = set(WINGS) - {"surfaces", "sheets"}
 WINGS["jobs"] = set(WINGS)
+WINGS["studio"] = set(WINGS)
 WINGS["cli"] = set(WINGS)
 # What each package of the formats may import besides itself and the modules at their root that
 # dispatch nothing.

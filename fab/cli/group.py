@@ -14,6 +14,7 @@ from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
 from fab.cli.patterns import check, convert
 from fab.cli.sheets import coupon, fabricate, shipped
+from fab.cli.studio import studio
 
 __all__ = ["main"]
 
@@ -27,5 +28,6 @@ def main() -> None:
 for command in (
     *(run, fabricate, thicken, simulate, animate, coupon, shipped, templates, new, check, convert),
     figure,
+    studio,
 ):
     main.add_command(command)

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from fab.drawings.cut_paths import CutPaths
     from fab.viewing.scene import Scene
 
-__all__ = ["Format", "Sheet", "from_mesh", "make"]
+__all__ = ["Format", "Sheet", "from_mesh", "grown_sheet", "make"]
 
 
 class Format(StrEnum):
@@ -144,8 +144,17 @@ def make(job: Job, formats: Iterable[str] | None = None, progress: Progress = si
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     clock = Clock(progress)
+    return _made(_grown_sheet(job, clock), formats, clock)
+
+
+def grown_sheet(job: Job, progress: Progress = silent) -> Sheet:
+    """The sheet of a job, of which nothing is made yet. Raises as `make`."""
+    return _grown_sheet(job, Clock(progress))
+
+
+def _grown_sheet(job: Job, clock: Clock) -> Sheet:
     found = grown(job, clock)
-    sheet = Sheet(
+    return Sheet(
         found.mesh,
         found.pattern,
         job,
@@ -154,7 +163,6 @@ def make(job: Job, formats: Iterable[str] | None = None, progress: Progress = si
         found.findings,
         found.target,
     )
-    return _made(sheet, formats, clock)
 
 
 def from_mesh(

@@ -153,7 +153,7 @@ function ofSheet(rows, width, rowsCount, verticesCount) {
   return out;
 }
 
-function sheetForm(data) {
+export function sheetForm(data) {
   const { sheet, colours } = data;
   const form = new Form(sheetStates(sheet, data.states.length));
   const { triangles, trianglesFace: faces, edges } = sheet;

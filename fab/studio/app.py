@@ -1,0 +1,365 @@
+"""What the studio answers: its page, and what the page asks, to those who know its token.
+
+Nothing of it lasts between two questions but the folder, so that two tabs, and a page that is
+loaded again, do not disturb each other.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import tempfile
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fab.catalogue import shipped
+from fab.errors import InvalidJob, did_you_mean
+from fab.files import shortened
+from fab.outputs import Made, write
+from fab.studio.job_text import MOST_BYTES
+from fab.studio.messages import packed_answer
+from fab.studio.worker import Worker, WorkerLost
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+__all__ = ["Studio", "studio_app"]
+
+# Seconds that a sheet, a picture and all files of a job may take.
+_GROW_S, _PICTURE_S, _MAKE_S = 300.0, 30.0, 3600.0
+# Of a message: a job's text, escaped, and changes to it.
+_MOST_MESSAGE = 3 * MOST_BYTES
+_MOST_CHANGES = 200
+_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)
+_HEADERS = {
+    "Content-Security-Policy": _POLICY,
+    "Cache-Control": "no-store",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+_ASSETS = {
+    "studio.js": ("fab.studio", "text/javascript"),
+    "studio.css": ("fab.studio", "text/css"),
+    "page.css": ("fab.viewing", "text/css"),
+    "three_licence.txt": ("fab.viewing", "text/plain"),
+}
+
+
+@dataclass(frozen=True)
+class Studio:
+    """What a studio works on.
+
+    Attributes
+    ----------
+    folder : where it reads and writes, and nowhere else.
+    token : without which it answers nothing.
+    file : in the folder, a job or a pattern that it begins with; None for the gallery.
+    allow_code : whether a Python file that a job names is run.
+    worker, painter, maker : processes that grow sheets, draw the gallery and make files.
+    """
+
+    folder: Path
+    token: str
+    file: Path | None = None
+    allow_code: bool = False
+    worker: Worker = field(default_factory=Worker)
+    painter: Worker = field(default_factory=Worker)
+    maker: Worker = field(default_factory=Worker)
+
+
+class _Malformed(Exception):
+    """A message that the page does not send."""
+
+
+def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
+    """The application; hosts : such as "127.0.0.1:8000", by which the page may be reached."""
+    from starlette.applications import Starlette
+    from starlette.middleware import Middleware
+    from starlette.routing import Route
+
+    pictures: dict[str, Path] = {}
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        with tempfile.TemporaryDirectory(prefix="quadfold-studio-") as folder:
+            pictures["folder"] = Path(folder)
+            try:
+                yield
+            finally:
+                for worker in (studio.worker, studio.painter, studio.maker):
+                    worker.close()
+
+    async def page(_: Request) -> Response:
+        return _plain((files("fab.studio") / "page_assets" / "studio.html").read_bytes())
+
+    async def asset(request: Request) -> Response:
+        name = request.path_params["name"]
+        if name not in _ASSETS:
+            return _refusal(404, "no such file")
+        package, media = _ASSETS[name]
+        return _plain((files(package) / "page_assets" / name).read_bytes(), media)
+
+    async def start(_: Request) -> Response:
+        return _plain(json.dumps(_beginning(studio)).encode(), "application/json")
+
+    async def picture(request: Request) -> Response:
+        name = request.path_params["name"]
+        path = shipped("jobs").get(name)
+        if path is None:
+            return _refusal(404, "no such template")
+        kept = pictures["folder"] / f"{name}.png"
+        if not kept.is_file():
+            try:
+                drawn = await _ask(studio.painter, "picture", {"path": str(path)}, _PICTURE_S)
+            except (InvalidJob, WorkerLost):
+                return _refusal(204, "")
+            kept.write_bytes(drawn)
+        return _plain(kept.read_bytes(), "image/png")
+
+    def answers(ask: Callable[[Mapping[str, Any]], Any]) -> Callable[[Request], Any]:
+        async def endpoint(request: Request) -> Response:
+            try:
+                message = await _message(request)
+                return _plain(await ask(message), "application/octet-stream")
+            except _Malformed as error:
+                return _refusal(400, str(error))
+            except _TooLarge as error:
+                return _refusal(413, str(error))
+            except InvalidJob as error:
+                return _plain(packed_answer({"refused": str(error)}), "application/octet-stream")
+            except WorkerLost as error:
+                text = f"The process that does the work was lost: {error}"
+                return _plain(packed_answer({"lost": text}), "application/octet-stream")
+
+        return endpoint
+
+    common = {"folder": str(studio.folder), "allow_code": studio.allow_code}
+
+    async def asked(task: str, arguments: Mapping[str, Any]) -> bytes:
+        found: bytes = await _ask(studio.worker, task, arguments, _GROW_S)
+        return found
+
+    async def opened(message: Mapping[str, Any]) -> bytes:
+        text = _text_of(message) if "text" in message else _template(_word(message, "template"))
+        return await asked("opened", {"text": text, **common})
+
+    async def grow(message: Mapping[str, Any]) -> bytes:
+        arguments = {
+            "text": _text_of(message),
+            "changes": _changes(message),
+            "topology": _word(message, "topology"),
+        }
+        return await asked("grow", {**arguments, **common})
+
+    async def fold(message: Mapping[str, Any]) -> bytes:
+        return await asked("fold", {"text": _text_of(message), **common})
+
+    async def read(message: Mapping[str, Any]) -> bytes:
+        path = str(_inside(studio.folder, _word(message, "file")))
+        if message.get("states") is True:
+            return await asked("read_fold", {"path": path})
+        return await asked("read", {"path": path, "topology": _word(message, "topology")})
+
+    async def save(message: Mapping[str, Any]) -> bytes:
+        text, name = _text_of(message), _word(message, "file")
+        await asked("opened", {"text": text, **common})  # what cannot be opened is not saved
+        return packed_answer(_saved(studio.folder, text, name, message.get("replace") is True))
+
+    async def make(message: Mapping[str, Any]) -> bytes:
+        into = None
+        if message.get("into") is not None:
+            into = str(_inside(studio.folder, _word(message, "into")))
+        arguments = {"text": _text_of(message), "into": into, **common}
+        found = await _ask(studio.maker, "made", arguments, _MAKE_S)
+        archive = found.pop("zip") or b""
+        return packed_answer({**found, "into": into}) + bytes(archive)
+
+    async def stop(message: Mapping[str, Any]) -> bytes:
+        del message
+        studio.worker.stop()
+        studio.maker.stop()
+        return packed_answer({})
+
+    posts = {"open": opened, "grow": grow, "fold": fold, "read": read, "save": save}
+    posts |= {"make": make, "stop": stop}
+    base = "/{token}"
+    return Starlette(
+        routes=[
+            Route(f"{base}/", page),
+            Route(f"{base}/start", start),
+            Route(f"{base}/pictures/{{name}}", picture),
+            *(
+                Route(f"{base}/{name}", answers(ask), methods=["POST"])
+                for name, ask in posts.items()
+            ),
+            Route(f"{base}/{{name}}", asset),
+        ],
+        middleware=[Middleware(_Guard, token=studio.token, hosts=hosts)],
+        lifespan=lifespan,
+    )
+
+
+class _Guard:
+    """Refuses, with 403, whoever lacks the token or comes from another page or by another name."""
+
+    def __init__(self, app: Any, token: str, hosts: frozenset[str]) -> None:
+        self.app, self.token, self.hosts = app, token.encode(), hosts
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        if scope["type"] == "lifespan" or (scope["type"] == "http" and self._allowed(scope)):
+            await self.app(scope, receive, send)
+        elif scope["type"] == "http":
+            await _refusal(403, "This address has no valid token, or another page sent it here.")(
+                scope, receive, send
+            )
+
+    def _allowed(self, scope: Any) -> bool:
+        headers = [(name.lower(), value.decode("latin-1")) for name, value in scope["headers"]]
+        given = [value for name, value in headers if name == b"host"]
+        origins = [value for name, value in headers if name == b"origin"]
+        token = scope["path"].split("/")[1] if scope["path"].startswith("/") else ""
+        return (
+            len(given) == 1
+            and given[0] in self.hosts
+            and all(origin.removeprefix("http://") in self.hosts for origin in origins)
+            and hmac.compare_digest(token.encode("utf-8", "replace"), self.token)
+        )
+
+
+class _TooLarge(Exception):
+    """A body that is longer than its bound."""
+
+
+def _plain(data: bytes, media: str = "text/html") -> Response:
+    from starlette.responses import Response
+
+    return Response(data, headers=_HEADERS, media_type=media)
+
+
+def _refusal(status: int, text: str) -> Response:
+    from starlette.responses import PlainTextResponse
+
+    return PlainTextResponse(text, status, headers=_HEADERS)
+
+
+async def _ask(worker: Worker, task: str, arguments: Mapping[str, Any], seconds: float) -> Any:
+    from starlette.concurrency import run_in_threadpool
+
+    return await run_in_threadpool(worker.ask, task, arguments, seconds)
+
+
+async def _body(request: Request, most: int) -> bytes:
+    """The body of a request, read no further than its bound."""
+    parts, size = [], 0
+    async for part in request.stream():
+        size += len(part)
+        if size > most:
+            raise _TooLarge(f"The message has more than {most} bytes, the most that is taken.")
+        parts.append(part)
+    return b"".join(parts)
+
+
+async def _message(request: Request) -> Mapping[str, Any]:
+    body = await _body(request, _MOST_MESSAGE)
+    try:
+        message = json.loads(body)
+    except (ValueError, RecursionError) as error:
+        raise _Malformed("The message is not JSON.") from error
+    if not isinstance(message, dict):
+        raise _Malformed("The message is not an object.")
+    return message
+
+
+def _word(message: Mapping[str, Any], key: str) -> str:
+    value = message.get(key)
+    if not isinstance(value, str) or len(value) > 1000 or "\0" in value:
+        raise _Malformed(f"{key} must be a short text.")
+    return value
+
+
+def _text_of(message: Mapping[str, Any]) -> str:
+    value = message.get("text")
+    if not isinstance(value, str):
+        raise _Malformed("text must be the text of a job.")
+    return value
+
+
+def _changes(message: Mapping[str, Any]) -> list[tuple[list[str], Any]]:
+    """Changes of single values: tables and key, and a number, a text, true, false or null."""
+    given = message.get("changes")
+    if not isinstance(given, list) or len(given) > _MOST_CHANGES:
+        raise _Malformed(f"changes must be a list of up to {_MOST_CHANGES}.")
+    changes = []
+    for each in given:
+        if not (isinstance(each, list) and len(each) == 2 and isinstance(each[0], list)):
+            raise _Malformed("A change must be a path and a value.")
+        path, value = each
+        if not path or len(path) > 8 or not all(isinstance(part, str) for part in path):
+            raise _Malformed("A path must have 1 to 8 keys.")
+        if not isinstance(value, bool | int | float | str | None):
+            raise _Malformed("A value must be a number, a text, true, false or null.")
+        changes.append((path, value))
+    return changes
+
+
+def _beginning(studio: Studio) -> dict[str, Any]:
+    """What the page begins with: the gallery, and the file that was given."""
+    from fab.studio.gallery import templates
+    from fab.viewing.drawing import CREASE_INK
+    from fab.viewing.page_drawings import LOWER, UPPER
+
+    file = studio.file
+    text = None
+    if file is not None and file.suffix == ".toml":
+        text = file.read_text(encoding="utf-8-sig")
+    return {
+        "templates": templates(),
+        "folder": str(studio.folder),
+        "file": None if file is None else file.name,
+        "text": text,
+        "colours": {"upper": UPPER, "lower": LOWER, "edges": CREASE_INK},
+    }
+
+
+def _template(name: str) -> str:
+    known = shipped("jobs")
+    if name not in known:
+        hint = did_you_mean(name, known)
+        raise InvalidJob(f"template {shortened(name)!r} must be one of the gallery.{hint}")
+    return known[name].read_text(encoding="utf-8")
+
+
+def _inside(folder: Path, name: str) -> Path:
+    """A path within the folder. Raises `InvalidJob` for one that leaves it."""
+    inside = folder.resolve()
+    try:
+        place = (inside / name).resolve()
+    except (OSError, ValueError, RuntimeError) as error:
+        raise InvalidJob(f"{shortened(name)!r} is no path.") from error
+    if not place.is_relative_to(inside):
+        raise InvalidJob(
+            f"{shortened(name)!r} is outside {inside}, where the studio was started: it reads and "
+            "writes nothing else. Choose a place within."
+        )
+    return place
+
+
+def _saved(folder: Path, text: str, name: str, replace: bool) -> dict[str, Any]:
+    """Write a job into the folder; where a file has its name, only if that may be replaced."""
+    path = _inside(folder, name)
+    if path.parent != folder.resolve() or path.suffix != ".toml":
+        raise InvalidJob(f"{shortened(name)!r} must be the name of a .toml file, without a folder.")
+    if path.exists() and not replace:
+        return {"exists": path.name}
+    write(Made({path.name: text.encode()}, {}, ()), folder)
+    return {"saved": str(path)}

@@ -1,0 +1,182 @@
+"""The form of a job: a field for each key with one value, from the models that check them."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic.fields import FieldInfo
+
+from fab.catalogue import shipped_of
+from fab.jobs.design_settings import DesignSettings
+from fab.jobs.job import Job
+from fab.settings import Settings
+from solver.designs.surface_fit import SURFACES
+
+__all__ = ["FormField", "form_fields"]
+
+# Units by the ends of keys.
+_UNITS = {
+    "_mm_per_unit": "mm per unit",
+    "_mm_s": "mm/s",
+    "_mm": "mm",
+    "_deg": "°",
+    "_rad": "rad",
+}
+_BOUNDS = {"gt": "min", "ge": "min", "lt": "max", "le": "max"}
+
+
+@dataclass(frozen=True)
+class FormField:
+    """A key of a job, and what may be given to it.
+
+    Attributes
+    ----------
+    path : the tables that it is in, and the key itself.
+    kind : "number", "integer", "boolean", "choice" or "text".
+    text : what it is; unit : of a number, empty where it has none.
+    default : where the key is left out; None where that is a state of its own.
+    choices : of a choice, or offered for a text. low, high : bounds of a number, where it has some.
+    """
+
+    path: tuple[str, ...]
+    kind: str
+    text: str
+    unit: str
+    default: Any
+    choices: tuple[str, ...] = ()
+    low: float | None = None
+    high: float | None = None
+
+
+def form_fields(job: Job) -> tuple[FormField, ...]:
+    """A field for each key of a job that has one value, those of its design first.
+
+    Lists, and tables of which there are several kinds, have no field: they are changed in the text.
+
+    >>> from fab.jobs.job import parse_job
+    >>> job = parse_job({"name": "m", "design": {"kind": "miura"}, "sheet": {"width_mm": 90.0}})
+    >>> fields = {".".join(field.path): field for field in form_fields(job)}
+    >>> fields["design.fold_deg"].default, fields["design.fold_deg"].unit
+    (45.0, '°')
+    """
+    return (*_of_table(type(job.design), ("design",)), *_of_table(type(job), ()))
+
+
+def _of_table(table: type[Settings], above: tuple[str, ...]) -> Iterator[FormField]:
+    texts = _documented(table)
+    for key, info in table.model_fields.items():
+        path = (*above, key)
+        if path == ("design",) or (above == ("design",) and key == "kind"):
+            continue
+        choices = _alternatives(info.annotation)
+        inner = choices[0] if len(choices) == 1 else None
+        if isinstance(inner, type) and issubclass(inner, Settings):
+            if NoneType not in get_args(info.annotation):
+                yield from _of_table(inner, path)
+            continue
+        kind = _kind(choices)
+        if kind:
+            text = info.description or texts.get(key, "")
+            yield _field(path, info, kind, _names(choices), text)
+
+
+def _field(
+    path: tuple[str, ...], info: FieldInfo, kind: str, names: tuple[str, ...], text: str
+) -> FormField:
+    default = None if info.is_required() else info.get_default(call_default_factory=True)
+    suggested = _suggested(path)
+    if isinstance(default, Enum):
+        default = default.value
+    unit = next((unit for end, unit in _UNITS.items() if path[-1].endswith(end)), "")
+    bounds = _bounds(info)
+    return FormField(
+        path,
+        kind,
+        text,
+        unit,
+        default,
+        names or suggested,
+        low=bounds.get("min"),
+        high=bounds.get("max"),
+    )
+
+
+def _suggested(path: tuple[str, ...]) -> tuple[str, ...]:
+    """Names that are offered for a text, which may be another: a file."""
+    if path == ("design", "surface"):
+        return tuple(SURFACES)
+    kinds: Mapping[tuple[str, ...], Literal["printer", "print"]] = {
+        ("printer", "machine"): "printer",
+        ("printer", "material"): "print",
+    }
+    return tuple(shipped_of(kinds[path])) if path in kinds else ()
+
+
+def _kind(choices: list[Any]) -> str:
+    """What an annotation takes; nothing where it is no single value."""
+    if len(choices) != 1:
+        return ""
+    (only,) = choices
+    if _names(choices):
+        return "choice"
+    return {bool: "boolean", int: "integer", float: "number", str: "text"}.get(only, "")
+
+
+def _names(choices: list[Any]) -> tuple[str, ...]:
+    """The names among which an annotation is a choice."""
+    (only, *others) = choices
+    if others:
+        return ()
+    if get_origin(only) is Literal:
+        return tuple(str(name) for name in get_args(only))
+    if isinstance(only, type) and issubclass(only, Enum):
+        return tuple(str(each.value) for each in only)
+    return ()
+
+
+def _alternatives(annotation: Any) -> list[Any]:
+    """What an annotation allows, without None."""
+    if get_origin(annotation) is Annotated:
+        return _alternatives(get_args(annotation)[0])
+    if get_origin(annotation) in (Union, UnionType):
+        parts = [part for part in get_args(annotation) if part is not NoneType]
+        return [each for part in parts for each in _alternatives(part)]
+    return [annotation]
+
+
+def _bounds(info: FieldInfo) -> dict[str, float]:
+    return {
+        end: float(getattr(limit, name))
+        for limit in info.metadata
+        for name, end in _BOUNDS.items()
+        if hasattr(limit, name)
+    }
+
+
+def _documented(table: type[Settings]) -> Mapping[str, str]:
+    """What the docstring of a design says of its fields, by their keys in a job."""
+    if not issubclass(table, DesignSettings):
+        return {}
+    keys = table.keys()
+    _, _, listed = (inspect.getdoc(table.design_class) or "").partition("Attributes\n----------\n")
+    texts: dict[str, str] = {}
+    for names, text in _entries(listed):
+        if not text.startswith("see `"):
+            texts |= {keys[name]: text for name in names if name in keys}
+    return texts
+
+
+def _entries(listed: str) -> Iterator[tuple[list[str], str]]:
+    """Names and texts of a list such as "columns, rows : number of quads."."""
+    starts = list(re.finditer(r"(?:^|[;.] |\n)\s*(\w+(?:, \w+)*) : ", listed))
+    ends = [start.start() for start in starts[1:]] + [len(listed)]
+    for start, end in zip(starts, ends, strict=True):
+        text = listed[start.end() : end].partition("\n\n")[0]
+        plain = " ".join(text.split()).rstrip(".;").replace(", radians", "")  # here in degrees
+        yield start.group(1).split(", "), plain

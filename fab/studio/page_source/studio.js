@@ -1,0 +1,332 @@
+// The studio's page: a gallery, and a job whose sheet is shown as its values change.
+
+import { canDraw } from "../../viewing/page_source/form_view.js";
+import { fillForm, markFaults } from "./job_form.js";
+import { LiveForm, LivePattern, toForm } from "./live_view.js";
+import { Newest, ask } from "./messages.js";
+
+const FOLD_AFTER = 250; // milliseconds without a change
+const find = (selector) => document.querySelector(selector);
+
+const start = await (await fetch("start")).json();
+const pattern = new LivePattern(find("#pattern"), start.colours.edges);
+const queue = new Newest(show);
+let view; // of the form, made with the first sheet
+let sheet; // the last good one
+let job; // its text, and changes that were not accepted yet
+let foldTimer;
+const pictures = new Set(); // those in sight that are not drawn yet
+let painting = false;
+
+find("#place").textContent = start.folder;
+buildGallery();
+wire();
+if (start.text !== null) openJob({ text: start.text }, start.file);
+else if (start.file !== null) openPattern(start.file);
+else showGallery();
+
+function buildGallery() {
+  const seen = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (isIntersecting) pictures.add(target);
+      else pictures.delete(target);
+    }
+    drawPictures();
+  });
+  for (const { name, design, description } of start.templates) {
+    const card = document.createElement("button");
+    card.type = "button";
+    card.className = "card";
+    card.dataset.template = name;
+    const picture = document.createElement("span");
+    picture.className = "picture";
+    const image = document.createElement("img");
+    image.alt = "";
+    image.dataset.name = name;
+    picture.append(image);
+    const texts = [["strong", name], ["small", design.replaceAll("_", " ")], ["span", description]];
+    card.append(picture, ...texts.map(([tag, textContent]) => Object.assign(document.createElement(tag), { textContent })));
+    card.addEventListener("click", () => openJob({ template: name }, `${name}.toml`));
+    find(".cards").append(card);
+    seen.observe(image);
+  }
+}
+
+/** Ask for the pictures in sight, one at a time: a browser has few connections. */
+async function drawPictures() {
+  if (painting) return;
+  painting = true;
+  while (pictures.size && !find("#gallery").hidden) {
+    const [image] = pictures;
+    pictures.delete(image);
+    if (image.src || image.dataset.without) continue;
+    const response = await fetch(`pictures/${image.dataset.name}`).catch(() => undefined);
+    if (response?.status === 200) image.src = URL.createObjectURL(await response.blob());
+    else image.dataset.without = "it takes too long";
+  }
+  painting = false;
+}
+
+function wire() {
+  find("#to-gallery").addEventListener("click", showGallery);
+  find("#apply").addEventListener("click", () => openJob({ text: find("#text").value }, find("#save-name").value));
+  find("#stop").addEventListener("click", () => ask("stop", {}));
+  find("#save").addEventListener("click", () => save(false));
+  find("#make-folder").addEventListener("click", () => makeFiles(find("#into").value));
+  find("#make-zip").addEventListener("click", () => makeFiles(null));
+  find("#fold").addEventListener("input", foldTo);
+  find("#creases").addEventListener("change", (event) => view?.showCreases(event.target.checked));
+  find("#whole").addEventListener("click", () => view?.reset());
+  const stopped = (event) => event.preventDefault();
+  window.addEventListener("dragover", stopped);
+}
+
+function showGallery() {
+  notice("");
+  find("#gallery").hidden = false;
+  drawPictures();
+  find("#work").hidden = true;
+  find("#to-gallery").hidden = true;
+  find("#title").textContent = "quadfold studio";
+}
+
+function showWork(name) {
+  find("#gallery").hidden = true;
+  find("#work").hidden = false;
+  find("#to-gallery").hidden = false;
+  find("#title").textContent = name;
+  window.scrollTo(0, 0);
+}
+
+/** Open the job of a template or of a text; file : what it is saved as. */
+async function openJob(message, file) {
+  const answer = await ask("open", message);
+  if (answer.refused || answer.lost) return notice(answer.refused ?? answer.lost);
+  notice("");
+  job = { text: answer.text, unsettled: new Map() };
+  sheet = undefined;
+  showWork(answer.name);
+  find("#keys").hidden = find("#files").hidden = false;
+  find("#save-name").value = file;
+  find("#made").textContent = "";
+  find("#made-files").replaceChildren();
+  fillForm(find("#form"), answer.fields, answer.values, (path, value) => {
+    change(path, value);
+    if (path[0] === "sheet" && value !== null) dropOtherSizes(path, answer.fields);
+    grow();
+  });
+  return grow();
+}
+
+function change(path, value) {
+  job.unsettled.set(JSON.stringify(path), [path, value]);
+}
+
+/** A sheet has one size: the others are left out. */
+function dropOtherSizes(path, fields) {
+  for (const { path: other } of fields) {
+    if (other[0] !== "sheet" || other[1] === path[1]) continue;
+    change(other, null);
+    find(`[data-key="${other.join(".")}"]`).value = "";
+  }
+}
+
+/** Show the pattern in a file; there is no job to change. */
+function openPattern(file) {
+  job = undefined;
+  sheet = undefined;
+  showWork(file);
+  find("#keys").hidden = find("#files").hidden = true;
+  busy();
+  queue.ask(async () => ({ ...(await ask("read", { file, topology: "" })), file }));
+}
+
+function grow() {
+  busy();
+  const current = job;
+  queue.ask(async () => {
+    const changes = [...current.unsettled.values()];
+    const answer = await ask("grow", { text: current.text, changes, topology: sheet?.topology ?? "" });
+    return { ...answer, job: current, changes };
+  });
+}
+
+/** Use an answer; later : whether another question waits. */
+function show(answer, later) {
+  if (answer.job && answer.job !== job) return; // another job was opened meanwhile
+  if (!later) find("#stop").hidden = true;
+  const failed = answer.refused ?? answer.lost;
+  if (failed) {
+    if (later) return;
+    verdict("error", answer.refused ? "Not grown: the last good form is shown" : "Lost: the last good form is shown");
+    notice(failed);
+    markFaults(find("#form"), failed);
+    allowFiles(false);
+    return;
+  }
+  notice("");
+  markFaults(find("#form"), "");
+  if (job) settle(answer);
+  const { numbers } = answer;
+  const same = sheet?.topology === answer.topology && !numbers.triangles && sheet.letters === answer.letters;
+  sheet = {
+    ...sheet,
+    ...numbers,
+    topology: answer.topology,
+    letters: answer.letters,
+    view: answer.view ?? sheet.view,
+    states: [numbers.folded],
+    colours: start.colours,
+    source: answer.job ? { text: answer.text } : { file: answer.file },
+  };
+  drawForm(same);
+  pattern.show(sheet);
+  tell(answer);
+  allowFiles(true);
+  if (!later) askFold();
+}
+
+/** Take the text that has the changes, and keep those that came since. */
+function settle({ text, name, changes }) {
+  job.text = text;
+  for (const [path, value] of changes) {
+    const key = JSON.stringify(path);
+    if (job.unsettled.get(key)?.[1] === value) job.unsettled.delete(key);
+  }
+  find("#text").value = text;
+  find("#title").textContent = name;
+}
+
+function drawForm(same) {
+  find("#fold").disabled = sheet.states.length < 2;
+  if (!canDraw()) {
+    find("#form-view .without").hidden = false;
+    find("#form-view .live").hidden = true;
+    return;
+  }
+  if (view) view.replace(sheet, same);
+  else view = new LiveForm(find("#form-view canvas"), toForm(sheet));
+  foldTo();
+}
+
+function foldTo() {
+  const share = Number(find("#fold").value);
+  const name = share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
+  find("#state").textContent = name;
+  find("#fold").setAttribute("aria-valuetext", name);
+  if (sheet && view) view.fold(share * (sheet.states.length - 1));
+}
+
+/** Ask for the states between flat and folded once nothing has changed for a while. */
+function askFold() {
+  clearTimeout(foldTimer);
+  const asked = sheet;
+  foldTimer = setTimeout(async () => {
+    if (asked !== sheet) return;
+    const { text, file } = asked.source;
+    const answer = await (file ? ask("read", { file, states: true }) : ask("fold", { text }));
+    if (asked !== sheet || !answer.states) return;
+    const all = answer.numbers.positions;
+    const size = all.length / answer.states;
+    sheet.states = Array.from({ length: answer.states }, (_, k) => all.subarray(k * size, (k + 1) * size));
+    drawForm(true);
+  }, FOLD_AFTER);
+}
+
+function busy() {
+  verdict("busy", "Growing …");
+  find("#stop").hidden = false;
+}
+
+function verdict(kind, text) {
+  find("#verdict").className = `verdict ${kind}`;
+  find("#verdict").textContent = text;
+}
+
+function tell(answer) {
+  const worst = answer.findings.some(({ severity }) => severity === "error") ? "error" : "";
+  const ended = answer.status === "grown" || answer.status === "read" ? "" : ` ${answer.advice}`;
+  verdict(worst, `${answer.status.replaceAll("_", " ")}: ${answer.faces} faces.${ended}`);
+  const box = (sides) => `${sides.map((side) => Number(side.toPrecision(4))).join(" × ")} mm`;
+  const sizes = Object.entries(answer.boxes).map(([name, sides]) => `${name} ${box(sides)}`);
+  find("#sizes").textContent = sizes.join("; ");
+  const more = answer.findingsCount - answer.findings.length;
+  listFindings(answer.findings, more);
+}
+
+function listFindings(findings, more) {
+  const items = findings.map((finding) => {
+    const item = document.createElement("li");
+    const severity = document.createElement("span");
+    severity.className = `severity ${finding.severity}`;
+    severity.textContent = `${finding.severity}: ${finding.code} `;
+    item.append(severity, finding.text);
+    if (finding.creases.length || finding.panels.length) item.append(" ", lighter(finding));
+    return item;
+  });
+  if (more > 0) items.push(Object.assign(document.createElement("li"), { textContent: `and ${more} more` }));
+  find("#findings").replaceChildren(...items);
+}
+
+function lighter(finding) {
+  const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Show" });
+  button.setAttribute("aria-pressed", false);
+  button.setAttribute("aria-label", `Show ${finding.code}`);
+  button.addEventListener("click", () => {
+    const lit = button.getAttribute("aria-pressed") !== "true";
+    for (const each of document.querySelectorAll("#findings button")) each.setAttribute("aria-pressed", each === button && lit);
+    const picked = lit ? finding : { creases: [], panels: [] };
+    view?.pick(picked);
+    pattern.mark(picked);
+  });
+  return button;
+}
+
+function notice(text) {
+  find("#notice").textContent = text;
+  find("#notice").hidden = !text;
+}
+
+function allowFiles(allowed) {
+  for (const id of ["save", "make-folder", "make-zip"]) find(`#${id}`).disabled = !allowed;
+}
+
+async function save(replace) {
+  const file = find("#save-name").value;
+  const answer = await ask("save", { text: job.text, file, replace: replace || file === start.file });
+  if (answer.exists) {
+    if (confirm(`${answer.exists} exists. Replace it?`)) await save(true);
+    return;
+  }
+  find("#made").textContent = answer.saved ? `saved ${answer.saved}` : "";
+  notice(answer.refused ?? answer.lost ?? "");
+}
+
+/** Make all files of the job, into a folder, or as an archive that the browser saves. */
+async function makeFiles(into) {
+  allowFiles(false);
+  find("#stop").hidden = false;
+  find("#made").textContent = "Making all files, which may take minutes …";
+  find("#made-files").replaceChildren();
+  const answer = await ask("make", { text: job.text, into });
+  find("#stop").hidden = true;
+  allowFiles(true);
+  notice(answer.refused ?? answer.lost ?? "");
+  find("#made").textContent = "";
+  if (!answer.files) return;
+  const errors = answer.sound ? "" : ", with findings that are errors";
+  find("#made").textContent = into === null ? `made ${answer.name}.zip${errors}` : `wrote into ${answer.into}${errors}`;
+  const items = answer.files.map(([name, bytes]) =>
+    Object.assign(document.createElement("li"), { textContent: `${name}, ${bytes} bytes` }),
+  );
+  find("#made-files").replaceChildren(...items);
+  if (into === null) download(answer.rest, `${answer.name}.zip`);
+}
+
+function download(data, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([data], { type: "application/zip" }));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
