@@ -48,7 +48,10 @@ GEOMETRY_TAKES = {
     "solver.polygons",
     "solver.vectors",
 }
-HEAVY = {"build123d", "OCP", "manifold3d", "matplotlib", "trimesh", "u_nesting"}
+HEAVY = {
+    *("build123d", "OCP", "manifold3d", "matplotlib", "trimesh", "u_nesting"),
+    *("starlette", "tomlkit", "uvicorn"),
+}
 SOURCES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
     for package in ("fab", "solver")
