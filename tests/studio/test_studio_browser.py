@@ -92,6 +92,7 @@ def page(browser, served):
     )
     made.goto(served.address)
     wait_until(made, lambda: verdict(made).startswith("grown"))
+    wait_until(made, made.locator("#fold").is_enabled)  # its states have come
     yield made
     context.close()
     assert complaints == []
@@ -142,7 +143,6 @@ def test_a_value_changes_form_and_pattern(page):
 
 
 def test_the_slider_folds_the_sheet(page):
-    wait_until(page, lambda: page.locator("#fold").is_enabled())
     seen = []
     for share, name in ((1, "folded"), (0.5, "50% of the fold"), (0, "flat")):
         page.locator("#fold").evaluate(
