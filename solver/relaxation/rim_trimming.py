@@ -76,9 +76,10 @@ def trimmed(
             short = replace(short, vertices_coords=eased)
         drop, lost = _far_beyond(target, short, most_beyond, budget)
         budget -= lost
-        if not drop.any():
+        left = _without(mesh, drop)  # which fills up corners that touch: it may drop none
+        if len(left.faces_vertices) == len(mesh.faces_vertices):
             return _uncrossed(short)
-        mesh = _without(mesh, drop)
+        mesh = left
 
 
 def _far_beyond(
