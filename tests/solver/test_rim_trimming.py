@@ -203,3 +203,20 @@ def test_no_vertex_is_left_far_beyond_the_rim_where_a_little_may_be_lost():
     lost = shares_over(target, kept.vertices_coords, kept.faces_vertices).sum()
     lost -= shares_over(target, made.vertices_coords, made.faces_vertices).sum()
     assert 0 < lost <= 0.05 * share.sum()
+
+
+def test_trimming_ends_where_a_cell_is_kept_only_to_join_others():
+    """A ring of squares without one corner: the cell that fills it up is all beyond the rim."""
+    coords, faces = [], []
+    for row, column in ((1, 0), (2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (0, 1)):
+        corners = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)]
+        number = []
+        for corner in corners:  # the ends of the ring touch in (1, 1), and are not joined
+            if corner not in coords or (corner == (1, 1) and (row, column) == (0, 1)):
+                coords.append(corner)
+            number.append(len(coords) - 1 - coords[::-1].index(corner))
+        faces += [(number[0], number[1], number[2]), (number[0], number[2], number[3])]
+    mesh = mesh_of((np.pad(np.array(coords, float), ((0, 0), (0, 1))), np.array(faces)))
+    sheet = flat_sheet(4, 4, (0, 3), (0, 3))
+    made = trimmed(MeshTarget(mesh), sheet, most_beyond=0.5, may_fall=0.5)
+    assert len(made.faces_vertices) == 8
