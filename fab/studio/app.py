@@ -20,9 +20,11 @@ from fab.catalogue import shipped
 from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.outputs import Made, write
+from fab.studio.dropped_files import MOST_DROPPED, kept_file
 from fab.studio.job_text import MOST_BYTES
 from fab.studio.messages import packed_answer
 from fab.studio.worker import Worker, WorkerLost
+from solver.errors import OrigamiError
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -84,6 +86,7 @@ class _Malformed(Exception):
 def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
     """The application; hosts : such as "127.0.0.1:8000", by which the page may be reached."""
     from starlette.applications import Starlette
+    from starlette.concurrency import run_in_threadpool
     from starlette.middleware import Middleware
     from starlette.routing import Route
 
@@ -184,6 +187,19 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         archive = found.pop("zip") or b""
         return packed_answer({**found, "into": into}) + bytes(archive)
 
+    async def drop(request: Request) -> Response:
+        try:
+            data = await _body(request, MOST_DROPPED)
+            name = _word(request.query_params, "name")
+            kept = await run_in_threadpool(kept_file, studio.folder, name, data)
+        except _TooLarge as error:
+            return _refusal(413, str(error))
+        except _Malformed as error:
+            return _refusal(400, str(error))
+        except OrigamiError as error:
+            kept = {"refused": str(error)}
+        return _plain(packed_answer(kept), "application/octet-stream")
+
     async def stop(message: Mapping[str, Any]) -> bytes:
         del message
         studio.worker.stop()
@@ -197,6 +213,7 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         routes=[
             Route(f"{base}/", page),
             Route(f"{base}/start", start),
+            Route(f"{base}/drop", drop, methods=["POST"]),
             Route(f"{base}/pictures/{{name}}", picture),
             *(
                 Route(f"{base}/{name}", answers(ask), methods=["POST"])

@@ -16,6 +16,7 @@ from studio_answers import arrays_of, head_of, rest_of
 
 from fab.cli.group import main
 from fab.studio.app import Studio, studio_app
+from fab.studio.job_text import job_of_text
 from fab.studio.serving import free_socket
 
 HOST = "127.0.0.1:8765"
@@ -245,6 +246,42 @@ def test_what_is_exported_is_what_run_makes_of_the_saved_job(client, folder, nam
             del report["seconds"]
         assert reports[0] == reports[1]
         assert made == {each: data for each, data in ran.items() if each != "report.json"}
+
+
+def test_dropped_patterns_are_kept_and_read(client, folder):
+    data = made_fold(client)
+    for number, name in enumerate(["../up/miura x.fold", "miura x.fold"]):
+        head = head_of(client.post("drop", params={"name": name}, content=data).content)
+        assert (head["file"], head["text"]) == ("miura_x.fold", None), number
+    assert (folder / "miura_x.fold").read_bytes() == data
+    read = ask(client, "read", file="miura_x.fold", topology="")
+    assert (head_of(read)["status"], head_of(read)["faces"]) == ("read", 12)
+    states = ask(client, "read", file="miura_x.fold", states=True)
+    assert head_of(states)["states"] == 11
+    other = head_of(client.post("drop", params={"name": "miura_x.fold"}, content=b"{}").content)
+    assert other["file"] == "miura_x_2.fold"
+    assert "refused" in head_of(ask(client, "read", file="miura_x_2.fold", topology=""))
+
+
+def made_fold(client):
+    text = head_of(grown(client, changes=SMALL))["text"]
+    archive = ask(client, "make", text='outputs = ["fold"]\n' + text, into=None)
+    with zipfile.ZipFile(io.BytesIO(rest_of(archive))) as package:
+        return package.read("miura.fold")
+
+
+def test_dropped_surfaces_come_with_a_job_and_others_are_refused(client, folder):
+    head = head_of(client.post("drop", params={"name": "a.stl"}, content=b"solid").content)
+    assert job_of_text(head["text"], folder).design.surface == head["file"] == "a.stl"
+    assert "refused" in head_of(grown(client, head["text"]))
+    before = files_under(folder.parent)
+    for name in ("x.exe", "x", "", ".fold", "x.toml"):
+        head = head_of(client.post("drop", params={"name": name}, content=b"x").content)
+        assert "must end in one of" in head["refused"]
+    large = client.post("drop", params={"name": "large.stl"}, content=b" " * 50_000_001)
+    assert large.status_code == 413
+    assert client.post("drop", content=b"").status_code == 400
+    assert files_under(folder.parent) == before
 
 
 def test_a_port_that_is_taken_is_passed_over():

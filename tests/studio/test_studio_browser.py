@@ -220,6 +220,15 @@ def test_the_gallery_shows_pictures_and_opens_a_template(page):
     wait_until(page, lambda: verdict(page).startswith("grown"))
 
 
+def test_a_pattern_is_dropped_and_folds(page, folder):
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(folder / "files" / "miura.fold")  # of the test above
+    wait_until(page, lambda: verdict(page).startswith("read: 48 faces"))
+    wait_until(page, page.locator("#fold").is_enabled)
+    assert page.locator("#title").text_content() == "miura.fold"
+    assert not page.locator("#form").is_visible()
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_no_fault_of_accessibility(page, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")

@@ -17,10 +17,13 @@ export function unpack(buffer) {
 }
 
 /** Ask and wait for the answer; one that says why there is none has "refused" or "lost". */
-export async function ask(name, message) {
+export const ask = (name, message) => post(name, JSON.stringify(message));
+
+/** The same with a body of any kind, such as a file. */
+export async function post(name, body) {
   let response;
   try {
-    response = await fetch(name, { method: "POST", body: JSON.stringify(message) });
+    response = await fetch(name, { method: "POST", body });
   } catch {
     return { lost: "The studio does not answer: it was ended, or its address has changed." };
   }

@@ -3,7 +3,7 @@
 import { canDraw } from "../../viewing/page_source/form_view.js";
 import { fillForm, markFaults } from "./job_form.js";
 import { LiveForm, LivePattern, toForm } from "./live_view.js";
-import { Newest, ask } from "./messages.js";
+import { Newest, ask, post } from "./messages.js";
 
 const FOLD_AFTER = 250; // milliseconds without a change
 const find = (selector) => document.querySelector(selector);
@@ -77,8 +77,12 @@ function wire() {
   find("#fold").addEventListener("input", foldTo);
   find("#creases").addEventListener("change", (event) => view?.showCreases(event.target.checked));
   find("#whole").addEventListener("click", () => view?.reset());
-  const stopped = (event) => event.preventDefault();
-  window.addEventListener("dragover", stopped);
+  window.addEventListener("dragover", (event) => event.preventDefault());
+  window.addEventListener("drop", (event) => {
+    event.preventDefault();
+    if (event.dataTransfer.files.length) openFile(event.dataTransfer.files[0]);
+  });
+  find("#file").addEventListener("change", (event) => openFile(event.target.files[0]));
 }
 
 function showGallery() {
@@ -116,6 +120,15 @@ async function openJob(message, file) {
     grow();
   });
   return grow();
+}
+
+/** Open a file of the user's: a pattern, or a surface with a job that follows it. */
+async function openFile(chosen) {
+  const answer = await post(`drop?name=${encodeURIComponent(chosen.name)}`, chosen);
+  if (!answer.file) return notice(answer.refused ?? answer.lost);
+  notice("");
+  if (answer.text === null) return openPattern(answer.file);
+  return openJob({ text: answer.text }, answer.file.replace(/\.\w+$/, ".toml"));
 }
 
 function change(path, value) {
