@@ -76,8 +76,9 @@ _WHOLE = 0.999
 _COVERED = 0.99
 _OFF = 0.15
 # Shares of a sheet that may be lost where it reaches over the rim by more than half a cell: the
-# first with which enough is covered.
+# first with which this much is covered, or else none.
 _MAY_FALL = (0.02, 0.006, 0.0)
+_WELL_COVERED = 0.993
 # Radians by which the sectors around a vertex of an exact sheet differ from a full turn.
 _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
@@ -363,7 +364,7 @@ class _Search:
                 mesh = trimmed(target, fit.mesh, fine, sheet.cell.along / 2, share)
             made = [(mesh.vertices_coords, mesh.faces_vertices)]
             under = float(covered(target, made, 2 * sheet.cell.thickness).mean())
-            if under >= _COVERED:
+            if under >= _WELL_COVERED:
                 break
         off = fit.deviations * sheet.cell.step
         used = np.unique(sheet.faces_vertices)
