@@ -206,7 +206,7 @@ def test_a_slit_is_no_seam_and_an_edge_to_be_cut_joins_nothing():
     made, (finding,) = split(cut, SheetSplit(), (100.0, 100.0))
     assert [len(piece.faces) for piece in made.pieces] == [2, 2]
     assert made.seams == ()
-    assert "2 pieces without seams" in finding.text
+    assert "2 pieces that share no edge" in finding.text
     assert "Glue" not in finding.text
 
 
