@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from fab.errors import InvalidJob, did_you_mean, nearest
 from fab.files import require_file
 
-__all__ = ["Settings", "apply_change", "checked", "read_toml"]
+__all__ = ["Settings", "alternatives", "apply_change", "checked", "read_toml"]
 
 # Files that users write are a few kilobytes long.
 _LARGEST_BYTES = 1_000_000
@@ -116,7 +116,7 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
         return f"{key} is not a known key.{hint} Known here: {', '.join(sorted(known))}."
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         given = value.get("kind") if isinstance(value, Mapping) else None
-        known = [name for table in _choices(annotation) for name in _kinds(table)]
+        known = [name for table in alternatives(annotation) for name in _kinds(table)]
         must = f"must be one of {', '.join(sorted(known))}{_about(field)}"
         return f"{key}.kind = {_shown(given)} {must}.{did_you_mean(given, known, 0.4)}"
     if kind == "missing" and place[-1].isdigit():
@@ -207,18 +207,19 @@ def _field(
 
 def _table(annotation: Any, node: Any) -> Any:
     """The table that an annotation means; of a choice, the one that the node's kind names."""
-    tables = _choices(annotation)
+    tables = alternatives(annotation)
     if len(tables) == 1:
         return tables[0]
     return next((table for table in tables if _kind(node) in _kinds(table)), Settings)
 
 
-def _choices(annotation: Any) -> list[Any]:
+def alternatives(annotation: Any) -> list[Any]:
+    """What an annotation allows, without None."""
     if get_origin(annotation) is Annotated:
-        return _choices(get_args(annotation)[0])
+        return alternatives(get_args(annotation)[0])
     if get_origin(annotation) in (Union, UnionType):
         parts = [part for part in get_args(annotation) if part is not NoneType]
-        return [table for part in parts for table in _choices(part)]
+        return [table for part in parts for table in alternatives(part)]
     return [annotation]
 
 

@@ -7,15 +7,15 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
-from types import NoneType, UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from types import NoneType
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
 from fab.catalogue import shipped_of
 from fab.jobs.design_settings import DesignSettings
 from fab.jobs.job import Job
-from fab.settings import Settings
+from fab.settings import Settings, alternatives
 from solver.designs.surface_fit import SURFACES
 
 __all__ = ["FormField", "form_fields"]
@@ -74,7 +74,7 @@ def _of_table(table: type[Settings], above: tuple[str, ...]) -> Iterator[FormFie
         path = (*above, key)
         if path == ("design",) or (above == ("design",) and key == "kind"):
             continue
-        choices = _alternatives(info.annotation)
+        choices = alternatives(info.annotation)
         inner = choices[0] if len(choices) == 1 else None
         if isinstance(inner, type) and issubclass(inner, Settings):
             if NoneType not in get_args(info.annotation):
@@ -138,16 +138,6 @@ def _names(choices: list[Any]) -> tuple[str, ...]:
     if isinstance(only, type) and issubclass(only, Enum):
         return tuple(str(each.value) for each in only)
     return ()
-
-
-def _alternatives(annotation: Any) -> list[Any]:
-    """What an annotation allows, without None."""
-    if get_origin(annotation) is Annotated:
-        return _alternatives(get_args(annotation)[0])
-    if get_origin(annotation) in (Union, UnionType):
-        parts = [part for part in get_args(annotation) if part is not NoneType]
-        return [each for part in parts for each in _alternatives(part)]
-    return [annotation]
 
 
 def _bounds(info: FieldInfo) -> dict[str, float]:
