@@ -29,7 +29,7 @@ from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats, held_vertices, laid_patch, laid_tube, rim_planes
 from solver.relaxation.method import RelaxationStatus
 from solver.relaxation.pleats import PleatedSheet
-from solver.relaxation.rim_trimming import trimmed
+from solver.relaxation.rim_trimming import trimmings
 from solver.relaxation.sheet_fit import Wishes, relaxed_sheet
 from solver.self_intersection import crossing_faces
 from solver.surface_cover import covered
@@ -357,11 +357,14 @@ class _Search:
             start=start,
             interrupted=self.interrupted,
         )
-        mesh, under = fit.mesh, 0.0
-        for share in (0.0,) if sheet.closed else _MAY_FALL:
-            if not sheet.closed:
-                fine = None if wanted is None else wanted.faces_fine
-                mesh = trimmed(target, fit.mesh, fine, sheet.cell.along / 2, share)
+        fine_faces = None if wanted is None else wanted.faces_fine
+        half = sheet.cell.along / 2
+        tried = (
+            iter([fit.mesh])
+            if sheet.closed
+            else trimmings(target, fit.mesh, _MAY_FALL, fine_faces, half)
+        )
+        for mesh in tried:
             made = [(mesh.vertices_coords, mesh.faces_vertices)]
             under = float(covered(target, made, 2 * sheet.cell.thickness).mean())
             if under >= _WELL_COVERED:

@@ -12,7 +12,7 @@ free side, which may swing into another one: such faces are dropped.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from solver.self_intersection import crossing_faces
 from solver.targets.mesh_target import MeshTarget
 from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
-__all__ = ["shares_over", "trimmed"]
+__all__ = ["shares_over", "trimmed", "trimmings"]
 
 # Points along either direction of a face at which it is seen whether it is over the surface.
 _WITHIN = (np.arange(8) + 0.5) / 8
@@ -64,11 +64,34 @@ def trimmed(
     any more, its sides are left longer too. most_beyond : vertices that remain farther beyond the
     rim lose a face each, as long as no more than the share `may_fall` of the sheet is lost so.
     """
+    return next(trimmings(target, mesh, [may_fall], fine, most_beyond))
+
+
+def trimmings(
+    target: MeshTarget,
+    mesh: QuadMesh,
+    may_fall: Sequence[float],
+    fine: Callable[[FloatArray, IntArray], BoolArray] | None = None,
+    most_beyond: float = np.inf,
+) -> Iterator[QuadMesh]:
+    """The sheet as it is `trimmed` with each of several shares that may be lost, one by one."""
     share = shares_over(target, mesh.vertices_coords, mesh.faces_vertices)
-    if not share.any():
-        return mesh  # a sheet that went astray
-    budget = may_fall * share.sum()
-    mesh = _without(mesh, _slivers(share))
+    if not share.any():  # a sheet that went astray
+        yield from (mesh for _ in may_fall)
+        return
+    whole = _without(mesh, _slivers(share))
+    for fall in may_fall:
+        yield _cut_short(target, whole, fine, most_beyond, fall * float(share.sum()))
+
+
+def _cut_short(
+    target: MeshTarget,
+    mesh: QuadMesh,
+    fine: Callable[[FloatArray, IntArray], BoolArray] | None,
+    most_beyond: float,
+    budget: float,
+) -> QuadMesh:
+    """The sheet shortened to the rim, without faces of vertices too far beyond; see `trimmed`."""
     while True:
         short = _shortened(target, mesh)
         if fine is not None:
