@@ -76,11 +76,12 @@ from solver.designs import (
 from solver.errors import InvalidState, InvalidValue, OrigamiError
 from solver.fitting import fit_surface
 from solver.flap_landscape import FlapLandscape, flap_angle_landscape
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.growth_order import GrownStrip, grown_strips
 from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
+from solver.rays import Rays
 from solver.rigid_march import RigidSheet, march
 from solver.strip_family import StripFamily, strip_family
 from solver.targets import (

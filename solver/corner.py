@@ -30,7 +30,7 @@ from numbers import Integral
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count, require_within
-from solver.front import Front, Rays, boundary_ray, meeting_distances, require_convex
+from solver.front import Front, require_convex
 from solver.growth import (
     Growth,
     Lengths,
@@ -42,6 +42,7 @@ from solver.growth import (
     lengths_along,
 )
 from solver.mesh import QuadMesh, Side
+from solver.rays import Rays, boundary_ray, meeting_distances
 from solver.vectors import FloatArray, IntArray, angle_between, dot, norm, unit
 from solver.vertex import flap_angle_of
 

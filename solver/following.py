@@ -6,9 +6,10 @@ import numpy as np
 
 from solver.errors import InvalidValue
 from solver.flap_costs import DesignAngleCost, FlapCost, is_free
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Status, Stop, Strip, usable_lengths
 from solver.mirroring import Mirror
+from solver.rays import Rays
 from solver.targets.base import Target, ray_hit
 from solver.vectors import FloatArray
 

@@ -10,8 +10,9 @@ from typing import TypeAlias
 import numpy as np
 
 from solver.errors import InvalidValue, require_count
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.mesh import QuadMesh, Side
+from solver.rays import Rays
 from solver.vectors import LARGEST, SMALLEST, BoolArray, FloatArray
 
 __all__ = ["Growth", "Lengths", "Status", "Stop", "Strip", "grow"]

@@ -11,8 +11,9 @@ from functools import cached_property
 import numpy as np
 
 from solver.errors import InvalidState, require_count
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.mesh import QuadMesh
+from solver.rays import Rays
 from solver.vectors import FloatArray, IntArray, angle_between, norm
 from solver.vertex import flap_angle_of
 

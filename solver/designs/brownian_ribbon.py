@@ -11,8 +11,9 @@ from scipy.optimize import brentq
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
 from solver.errors import InvalidState, InvalidValue, require_within
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Strip, grow
+from solver.rays import Rays
 from solver.vectors import FloatArray, norm
 
 __all__ = ["BrownianRibbon", "ribbon"]

@@ -10,9 +10,10 @@ import numpy as np
 from solver.corner import CornerStrip, grow_corner, grow_part, grow_pentagon
 from solver.designs.miura import Miura
 from solver.errors import InvalidValue, require_count, require_length
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Strip, grow
 from solver.mesh import QuadMesh
+from solver.rays import Rays
 from solver.vectors import FloatArray, norm
 from solver.vertex import flap_angle_of
 

@@ -10,8 +10,9 @@ import numpy as np
 from solver import seeds
 from solver.arcs import at_share
 from solver.errors import InvalidValue, require_count, require_length, require_number
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Status, Stop, Strip, grow
+from solver.rays import Rays
 from solver.transfer import transfer_flap_angles
 from solver.vectors import FloatArray
 

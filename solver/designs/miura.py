@@ -9,8 +9,9 @@ import numpy as np
 
 from solver import seeds
 from solver.errors import require_count
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Strip, grow
+from solver.rays import Rays
 from solver.vectors import FloatArray
 from solver.vertex import flap_angle_of
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver.errors import InvalidValue, require_count, require_within
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh
+from solver.rays import Rays
 from solver.transfer import Closing
 from solver.vectors import FloatArray
 

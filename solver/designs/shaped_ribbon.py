@@ -12,8 +12,9 @@ from scipy.sparse.linalg import spsolve
 from solver import seeds
 from solver.designs.walks import can_fold, random_walks
 from solver.errors import InvalidState, InvalidValue, require_within
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Strip, grow
+from solver.rays import Rays
 from solver.vectors import ComplexArray, FloatArray, angle_between, full_turn, norm
 
 __all__ = ["OUTLINES", "Outline", "ShapedRibbon", "chords"]

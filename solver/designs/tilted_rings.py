@@ -16,9 +16,10 @@ from solver.errors import (
     require_number,
     require_within,
 )
-from solver.front import Front, Rays
+from solver.front import Front
 from solver.growth import Growth, Status, Stop, Strip, grow
 from solver.mesh import QuadMesh
+from solver.rays import Rays
 from solver.transfer import Closing, inverse_matrices, transfer_each
 from solver.vectors import FloatArray, angle_between
 from solver.vertex import even_flap_angles
