@@ -21,7 +21,7 @@ All around the circle of the flap angle: a vertex, a strip, and the landscape of
     and `flap_landscape`. The strips of a finished sheet one after another: `grown_strips`, module
     `growth_order`.
 Growth front: its angles beta and k, new creases, length bounds (S20, S21)
-    `Front`, `Rays`; module `front`.
+    `Front`, `Rays`; modules `front` and `rays`.
 Growth strip by strip, on any side of a patch
     `grow`, `Strip`, `Stop`, `Growth`, `Status`, `Side`; module `growth`.
 Growth whose rows may end where vertices at their sides cannot be grown
