@@ -70,6 +70,8 @@ def opened(browser: Any, file: Path, script: str = "", **options: Any) -> Iterat
         if script:
             page.add_init_script(script)
         page.goto(file.as_uri())
+        if options.get("java_script_enabled", True):
+            page.locator("#theme").wait_for()  # the last that the page's script makes visible
         yield found
     finally:
         context.close()

@@ -240,8 +240,6 @@ def test_findings_light_up_what_they_name(browser, pages):
 def test_everything_is_reached_and_moved_by_the_keyboard(browser, pages):
     with opened(browser, pages["run"]) as found:
         page = found.page
-        wait_until(page, "document.querySelector('canvas') !== null")
-        wait_until(page, "document.querySelector('#theme').offsetParent !== null")
         reached = []
         for _ in range(80):
             page.keyboard.press("Tab")
