@@ -192,12 +192,14 @@ def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> l
 def _field(
     model: type[Settings], place: Sequence[str], document: Any
 ) -> tuple[FieldInfo | None, Any]:
-    """The field at a place (none within a list, and where nothing is known), and its type."""
+    """The field at a place and its type; within a list the item, with its bounds if it has any."""
     field, annotation, node = None, model, document
     for part in place:
         table = _table(annotation, node)
         if get_origin(table) in (list, tuple):
-            field, annotation = None, get_args(table)[0]
+            annotation = get_args(table)[0]
+            bounded = get_origin(annotation) is Annotated
+            field = FieldInfo.from_annotation(annotation) if bounded else None
         else:
             field = getattr(table, "model_fields", {}).get(part)
             annotation = field.annotation if field is not None else Settings

@@ -24,7 +24,7 @@ __all__ = [
     "perforation_for",
 ]
 
-Angle = Annotated[float, Field(ge=-360, le=360)]
+Rotations = Annotated[list[Annotated[float, Field(ge=-360, le=360)]], Field(min_length=1)]
 
 # What a material must state about its creases; the rest takes the defaults of a job.
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
@@ -46,10 +46,10 @@ class Material(Described):
     cut_speed_ratio: float = Field(
         gt=0, le=10, description="speed of cutting through, over that of the machine (300 gsm card)"
     )
-    rotations: Literal["any", "half turns", "none"] | list[Angle] = Field(
-        default="any",
-        description="of pieces on the sheet, as its grain allows: any, half turns, none, or a list "
-        "of angles in degrees",
+    rotations_deg: Rotations | None = Field(
+        default=None,
+        description="by which pieces may be turned on the sheet, as its grain allows, such as "
+        "[0.0, 180.0]; by any angle where left out",
     )
     perforation: PerforationSettings = Field(description="as in a job")
 
@@ -60,13 +60,6 @@ class Material(Described):
         if missing:
             raise ValueError(f"{' and '.join(missing)} must be given in a material. {CURE}")
         return perforation
-
-    @property
-    def rotations_deg(self) -> tuple[float, ...] | None:
-        """By which pieces may be turned; None for any."""
-        if isinstance(self.rotations, list):
-            return tuple(self.rotations)
-        return {"any": None, "half turns": (0.0, 180.0), "none": (0.0,)}[self.rotations]
 
     @property
     def grams_per_m2(self) -> float:

@@ -66,7 +66,9 @@ class SheetRequest:
             margin_mm=self.margin_mm,
             mitre_mm=_CORNER_KERFS * self.machine.kerf_mm,
             tab_mm=max(self.material.tab_mm, _LEAST_TAB_MM),
-            rotations_deg=self.material.rotations_deg,
+            rotations_deg=None
+            if self.material.rotations_deg is None
+            else tuple(self.material.rotations_deg),
         )
 
     @property

@@ -115,6 +115,13 @@ def refusal(tmp_path, load, text: str) -> str:
         ("co2_60w_600x400", "kerf_mm = 0.15", "kerf_mm = -0.1", "kerf_mm = -0.1 is out of bounds"),
         ("co2_60w_600x400", "kerf_mm = 0.15", "kerf_mm = nan", "kerf_mm = nan is out of bounds"),
         ("co2_60w_600x400", "kerf_mm = 0.15", "kerf_mn = 0.1", "Did you mean kerf_mm?"),
+        ("card_300gsm", "tab_mm", "rotations_deg = []\ntab_mm", "must have 1 values or more"),
+        (
+            "card_300gsm",
+            "tab_mm",
+            "rotations_deg = [0.0, 720.0]\ntab_mm",
+            "rotations_deg.1 = 720.0 is out of bounds: it must be at least -360 and at most 360.",
+        ),
         ("co2_60w_600x400", "kerf_mm = 0.15", "", "kerf_mm is missing"),
         ("co2_60w_600x400", "pierce_s = ", "pierce_ms = ", "Did you mean speeds.pierce_s?"),
         ("co2_60w_600x400", "margin_mm = 5.0", "margin_mm = 200.0", "must be below 200"),

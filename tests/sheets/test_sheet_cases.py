@@ -120,11 +120,12 @@ def test_pages_are_the_bed(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("rotations", "turned"), [('"any"', True), ('"half turns"', False), ("[0.0]", False)]
+    ("rotations", "turned"),
+    [("", True), ("rotations_deg = [0.0, 180.0]", False), ("rotations_deg = [0.0]", False)],
 )
 def test_pieces_keep_the_grain_of_their_material(tmp_path, rotations, turned):
     card = shipped("materials")["card_300gsm"].read_text()
-    (tmp_path / "card.toml").write_text(f"rotations = {rotations}\n{card}")
+    (tmp_path / "card.toml").write_text(f"{rotations}\n{card}")
     words = ["--material", str(tmp_path / "card.toml")]
     (lines,), _, _ = fabricated(shared_case("strip.fold"), tmp_path / "out", *words)
     width, height = np.ptp(shapely.get_coordinates(lines["CUT"]), axis=0)
