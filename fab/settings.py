@@ -100,13 +100,31 @@ def checked(model: type[Table], document: Mapping[str, Any], source: str, cure: 
     try:
         return model.model_validate(document)
     except ValidationError as error:
-        lines = [_refusal(e, model, document, cure) for e in error.errors(include_url=False)]
+        found: dict[tuple[str, ...], list[Any]] = {}
+        for each in error.errors(include_url=False):
+            found.setdefault(tuple(_place(each["loc"], document)), []).append(each)
+        # of the choices that a value has, what is said of its parts says more than of all of it
+        whole = [place for place in found if any(p[: len(place)] == place != p for p in found)]
+        lines = [
+            _refusal(place, errors, model, document, cure)
+            for place, errors in found.items()
+            if place not in whole or errors[0]["type"] not in _NUMBERS | _OTHERS
+        ]
         raise InvalidJob(f"{source}: " + "\n".join(lines)) from error
 
 
-def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str:
-    """One error of pydantic's in the project's words: key, value, bound and cure."""
-    place = _place(error["loc"], document)
+def _refusal(
+    place: Sequence[str],
+    errors: Sequence[Any],
+    model: type[Settings],
+    document: Any,
+    cure: str,
+) -> str:
+    """An error of pydantic's in the project's words: key, value, bound and cure.
+
+    errors : one, or one for each of the choices that the value has.
+    """
+    error = errors[0]
     key = ".".join(place)
     kind, value = error["type"], error.get("input")
     field, annotation = _field(model, place, document)
@@ -135,14 +153,19 @@ def _refusal(error: Any, model: type[Settings], document: Any, cure: str) -> str
         return f"{key if whole else given}: {fault}" if key else fault
     if kind == "string_pattern_mismatch":
         return f"{given} is out of bounds. Correct it{_about(field)}."
-    bound = _bound(field)
+    musts = [_must(each, _bound(field)) for each in errors]
+    fault = error["msg"] if None in musts else f"it must {' or '.join(map(str, musts))}"
+    return f"{given} is out of bounds: {fault}. Correct it{_about(field)}."
+
+
+def _must(error: Any, bound: str) -> str | None:
+    """What the value must be or have; None for errors that are not of numbers and the like."""
+    kind = error["type"]
     if kind in _NUMBERS and (_NUMBERS[kind] or bound):
-        must = "it must be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
-    elif kind in _OTHERS:
-        must = "it must " + _OTHERS[kind].format(**error.get("ctx", {}))
-    else:
-        must = error["msg"]
-    return f"{given} is out of bounds: {must}. Correct it{_about(field)}."
+        return "be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
+    if kind in _OTHERS:
+        return _OTHERS[kind].format(**error.get("ctx", {}))
+    return None
 
 
 def _shown(value: Any) -> str:
@@ -232,9 +255,15 @@ def _kinds(table: Any) -> tuple[str, ...]:
 
 
 def _place(loc: Sequence[Any], document: Any) -> list[str]:
-    """Where in the document; pydantic names the kind of a table between the table and its key."""
-    place = []
+    """Where in the document.
+
+    Between a table and its key pydantic names the kind of the table, and after a value that may be
+    of several types, the type.
+    """
+    place: list[str] = []
     for part in loc:
+        if place and isinstance(part, str) and not isinstance(document, Mapping):
+            continue
         if isinstance(document, Mapping) and part not in document and part == _kind(document):
             continue
         place.append(str(part))

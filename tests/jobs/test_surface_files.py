@@ -12,6 +12,7 @@ import fab
 from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob, Severity
 from fab.jobs.grow import grown_pattern, growth_findings
+from fab.jobs.job import parse_job
 from fab.jobs.job_files import _by_pieces
 from fab.surfaces.reading import read_surface_mesh
 from solver import Growth, InvalidValue, Miura, QuadMesh, Status, SurfaceFit
@@ -54,6 +55,23 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
     checked = CliRunner().invoke(main, ["check", "out/dome.fold"])
     assert checked.exit_code == 0, checked.output
     assert pattern.face_count == report["counts"]["faces"]
+
+
+@pytest.mark.parametrize(
+    ("face", "faults"),
+    [
+        ("a", {"": ("'a'", "a whole number or be a list, such as [1.0, 2.0]")}),
+        ([1, "x", 0.5], {".1": ("'x'", "a whole number"), ".2": ("0.5", "a whole number")}),
+    ],
+)
+def test_faces_that_are_no_numbers_are_named(face, faults):
+    design = {"kind": "surface_fit", "surface": "roof.step", "face": face}
+    with pytest.raises(InvalidJob) as caught:
+        parse_job({"name": "roof", "design": design, "sheet": {"width_mm": 90.0}}, "roof.toml")
+    assert str(caught.value).removeprefix("roof.toml: ").splitlines() == [
+        f"design.face{place} = {value} is out of bounds: it must be {bound}. Correct it."
+        for place, (value, bound) in faults.items()
+    ]
 
 
 def test_deviations_are_in_millimetres_of_the_made_sheet(tmp_path):
