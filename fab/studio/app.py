@@ -51,6 +51,7 @@ _HEADERS = {
 }
 _ASSETS = {
     "studio.js": ("fab.studio", "text/javascript"),
+    "views.js": ("fab.viewing", "text/javascript"),
     "studio.css": ("fab.studio", "text/css"),
     "page.css": ("fab.viewing", "text/css"),
     "three_licence.txt": ("fab.viewing", "text/plain"),

@@ -64,7 +64,7 @@ _PICTURE_COLOURS = 64
 # From the least to the largest value.
 _RAMP = ("#ffffcc", "#ffeda0", "#fed976", "#feb24c", "#fd8d3c", "#fc4e2a", "#e31a1c", "#800026")
 _POLICY = (
-    "default-src 'none'; script-src 'sha256-{script}'; style-src 'sha256-{style}'; "
+    "default-src 'none'; script-src {scripts}; style-src 'sha256-{style}'; "
     "img-src data:; base-uri 'none'; form-action 'none'"
 )
 
@@ -99,9 +99,11 @@ class ResultPage:
 
 def page_bytes(page: ResultPage) -> bytes:
     """The page as an HTML file, the same bytes for the same page: without dates and durations."""
-    script, style = _asset("page.js"), _asset("page.css") + shades_css()
+    views, script = _asset("views.js"), _asset("page.js")
+    style = _asset("page.css") + shades_css()
     axes = _view(page.scene)
-    policy = _POLICY.format(script=_digest(script), style=_digest(style))
+    scripts = " ".join(f"'sha256-{_digest(each)}'" for each in (views, script))
+    policy = _POLICY.format(scripts=scripts, style=_digest(style))
     parts = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',
@@ -120,6 +122,7 @@ def page_bytes(page: ResultPage) -> bytes:
         "</main>",
         *_foot(),
         f'<script type="application/json" id="data">{_json(_data(page, axes))}</script>',
+        f"<script>{views}</script>",
         f'<script type="module">{script}</script></body></html>',
     ]
     return "\n".join(parts).encode()

@@ -50,7 +50,7 @@ def test_the_page_and_its_files_come_from_the_package_alone(client):
     page = client.get("")
     assert "quadfold studio" in page.text
     assert "default-src 'none'" in page.headers["content-security-policy"]
-    for name in ("studio.js", "studio.css", "page.css", "three_licence.txt"):
+    for name in ("studio.js", "views.js", "studio.css", "page.css", "three_licence.txt"):
         assert name in page.text
         assert client.get(name).status_code == 200
     assert "http://" not in page.text.replace("http://www.w3.org", "")
@@ -300,3 +300,4 @@ def test_the_script_is_made_of_the_sources_beside_it():
             digest.update(source.read_bytes())
     script = (ROOT / "fab" / "studio" / "page_assets" / "studio.js").read_text(encoding="utf-8")
     assert script.startswith(f"/* sources {digest.hexdigest()} */")
+    assert len(script) < 100_000  # what it draws with is in views.js
