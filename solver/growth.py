@@ -84,7 +84,10 @@ class Growth:
     chosen : what the design chose where it was left free, by name.
     deviations : signed distances of vertices from their offsets of a target, where the sheet was
         relaxed onto it; None where it was grown, exactly on them.
-    distance : the largest one of a vertex from a target that the sheet was relaxed onto.
+    distance : the largest one of a vertex from a target that the sheet was relaxed onto, smoothed
+        where it is noisy.
+    distances : signed distances from the target as it was given, of vertices of a relaxed sheet
+        that are over it and not beyond its rim.
     """
 
     mesh: QuadMesh
@@ -95,6 +98,7 @@ class Growth:
     chosen: Mapping[str, float] = field(default_factory=dict)
     deviations: FloatArray | None = None
     distance: float | None = None
+    distances: FloatArray | None = None
 
 
 def grow(

@@ -26,6 +26,7 @@ from solver.surface_sheets import (
     surface_sheets,
 )
 from solver.targets.base import Target
+from solver.targets.mesh_target import MeshTarget
 from solver.targets.smoothing import smoothed, smoothing_length
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import BoolArray, FloatArray, IntArray
@@ -95,7 +96,8 @@ def relaxed_fit(
         most_sheets=1 if rigid and mesh.kind is not MeshKind.SPHERE else MOST_SHEETS,
         progress=progress,
     )
-    return _told(found, columns, smoothing, rigid)
+    growth = _told(found, columns, smoothing, rigid)
+    return replace(growth, distances=_distances(growth.mesh, mesh, followed))
 
 
 def resolved_fit(
@@ -151,6 +153,20 @@ def _without_noise(mesh: SurfaceMesh, cell: float) -> tuple[SurfaceMesh, dict[st
             "smoothing_moved": float(copy.distances.max()),
         }
     return mesh, {}
+
+
+def _distances(sheet: QuadMesh, mesh: SurfaceMesh, followed: SurfaceMesh) -> FloatArray:
+    """Signed distances from `mesh` of the vertices that are over `followed`, its smooth copy.
+
+    Of all vertices where none is.
+    """
+    target, points = MeshTarget(followed), sheet.vertices_coords
+    distances, _, places = target.distance(points, target.unknown(len(points)))
+    over = target.inside(places)
+    over = over if over.any() else np.ones(len(points), bool)
+    if followed is not mesh:
+        distances = MeshTarget(mesh).distance(points, target.unknown(len(points)))[0]
+    return distances[over]
 
 
 def _told(found: SurfaceSheets, columns: int, smoothing: dict[str, float], rigid: bool) -> Growth:

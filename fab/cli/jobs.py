@@ -75,8 +75,19 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     yield f"flat {boxes['flat']} mm; folded {boxes['folded']} mm"
     if report["growth"]["coverage"] is not None:
         yield f"{report['growth']['coverage']:.1%} of the surface is under the sheet"
+    if "distance" in report["growth"]:
+        yield _distance(report["growth"]["distance"])
     for key, goal in (report["goals"] or {}).items():
         yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached"
+
+
+def _distance(distance: Mapping[str, float]) -> str:
+    mean, rms, lowest, highest = (
+        f"{distance[key]:.3g}" for key in ("mean_mm", "rms_mm", "lowest_mm", "highest_mm")
+    )
+    smoothed = distance["smoothing_length_mm"]
+    copy = f"; a copy of it smoothed over {smoothed:.3g} mm is followed" if smoothed else ""
+    return f"vertices are {lowest} to {highest} mm from the surface, mean {mean}, RMS {rms}{copy}"
 
 
 @click.command()

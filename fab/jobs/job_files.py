@@ -26,6 +26,7 @@ from fab.formats.fold.writer import fold_bytes
 from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
+from fab.jobs.surface_report import growth_report
 from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_pattern
@@ -264,21 +265,7 @@ def _growth(sheet: Sheet) -> _Part:
     overlaps, growth = overlap_findings(sheet.overlaps), sheet.growth
     if growth is None:
         return _Part(findings=overlaps, report={"growth": None})
-    report = {
-        "status": growth.status,
-        "strips": growth.strips,
-        "advice": growth.advice,
-        "coverage": growth.coverage,
-        "chosen": dict(growth.chosen),
-    }
-    if growth.coverage is not None:
-        report["method"] = "grow" if growth.deviations is None else "relax"
-    if growth.deviations is not None:
-        mm = _mm_per_unit(sheet)
-        report["deviation"] = _deviation(growth.deviations * mm)
-        report["cell_mm"] = growth.chosen["step"] * mm
-    if growth.distance is not None:
-        report["distance_max_mm"] = growth.distance * mm
+    report = growth_report(growth, _mm_per_unit(sheet))
     findings = [*sheet.findings, *growth_findings(growth), *overlaps]
     return _Part(findings=findings, report={"growth": report})
 
@@ -287,16 +274,6 @@ def _mm_per_unit(sheet: Sheet) -> float:
     folded = sheet.pattern.folded_coords
     assert folded is not None  # the mesh is the folded form
     return float(np.ptp(folded, axis=0).max() / np.ptp(sheet.mesh.vertices_coords, axis=0).max())
-
-
-def _deviation(distances_mm: FloatArray) -> dict[str, float]:
-    """How far vertices are from their offsets of the surface, positive on its upper side."""
-    return {
-        "mean_mm": float(distances_mm.mean()),
-        "rms_mm": float(np.sqrt((distances_mm**2).mean())),
-        "lowest_mm": float(distances_mm.min()),
-        "highest_mm": float(distances_mm.max()),
-    }
 
 
 def _measures(sheet: Sheet, clock: Clock) -> _Part:

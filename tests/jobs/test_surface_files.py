@@ -2,6 +2,7 @@
 
 import json
 
+import igl
 import numpy as np
 import pytest
 import trimesh
@@ -50,7 +51,14 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
     assert growth["coverage"] > 0.99
     assert growth["method"] == "relax"
     assert growth["chosen"]["sheets"] == 1
-    assert set(growth["deviation"]) == {"mean_mm", "rms_mm", "lowest_mm", "highest_mm"}
+    keys = {"mean_mm", "rms_mm", "lowest_mm", "highest_mm", "largest_mm"}
+    assert set(growth["deviation"]) == keys
+    distance = growth["distance"]
+    assert set(distance) == {*keys, "smoothing_length_mm"}
+    assert distance["smoothing_length_mm"] == 0
+    said = f"{distance['lowest_mm']:.3g} to {distance['highest_mm']:.3g} mm from the surface"
+    assert said in result.output
+    assert "smoothed" not in result.output
     pattern, *_ = fab.read_pattern(tmp_path / "out" / "dome.fold")
     checked = CliRunner().invoke(main, ["check", "out/dome.fold"])
     assert checked.exit_code == 0, checked.output
@@ -83,6 +91,30 @@ def test_deviations_are_in_millimetres_of_the_made_sheet(tmp_path):
     for name, value in one["deviation"].items():
         assert other["deviation"][name] == pytest.approx(value, abs=1e-3)
     assert other["chosen"]["step"] == pytest.approx(one["chosen"]["step"] / 1000, rel=1e-4)
+
+
+def test_distances_are_from_the_noisy_original_and_not_from_its_smoothed_copy(tmp_path):
+    coords, faces = cap(0.8, 40, 120)
+    noise = 0.01 * np.random.default_rng(7).normal(size=coords.shape)
+    noisy = trimesh.Trimesh(100 * (coords + noise), faces, process=False)
+    noisy.export(tmp_path / "noisy.ply")
+    (tmp_path / "noisy.toml").write_text(
+        'name = "n"\nsheet = {scale_mm_per_unit = 2.0}\n[design]\nkind = "surface_fit"\n'
+        'surface = "noisy.ply"\ncolumns = 10\nzigzag = 2.0\nturn_deg = 0.0\n'
+    )
+    arguments = ["run", str(tmp_path / "noisy.toml"), "--out", str(tmp_path), "--only", "fold"]
+    result = CliRunner().invoke(main, arguments)
+    growth = json.loads((tmp_path / "report.json").read_text())["growth"]
+    length = 2 * growth["chosen"]["smoothing_length"]
+    assert growth["distance"]["smoothing_length_mm"] == pytest.approx(length)
+    assert f"a copy of it smoothed over {length:.3g} mm is followed" in result.output
+    folded = fab.read_pattern(tmp_path / "n.fold")[0].folded_coords
+    far, _, near = igl.point_mesh_squared_distance(folded / 2, noisy.vertices, noisy.faces)
+    far, inner = 2 * np.sqrt(far), np.hypot(*near[:, :2].T) < 69
+    assert growth["distance"]["largest_mm"] == pytest.approx(far[inner].max(), rel=1e-3)
+    assert growth["distance"]["rms_mm"] == pytest.approx(np.sqrt((far[inner] ** 2).mean()), rel=0.1)
+    copy = 2 * 100 * (np.linalg.norm(folded / 200, axis=1) - 1)
+    assert np.abs(far - np.abs(copy))[inner].max() > 1.0  # the noise is in it
 
 
 def test_a_ball_becomes_sheets_side_by_side(tmp_path):

@@ -283,6 +283,13 @@ def test_a_noisy_surface_is_followed_smoothed_and_told_by_how_much():
     assert 0.01 < growth.chosen["smoothing_moved"] < 0.06  # four or five deviations of the noise
     quiet = relaxed_fit(clean, 12, turn=0.0, zigzag=2.0)
     assert not [name for name in quiet.chosen if name.startswith("smoothing")]
+    # of the vertices over the surface, distances from it as it was given
+    target = MeshTarget(noisy)
+    points = growth.mesh.vertices_coords
+    given = target.distance(points, target.unknown(len(points)))[0]
+    assert np.isin(growth.distances, given).all()
+    assert 0.75 * len(points) < len(growth.distances) < len(points)  # few are beyond its rim
+    assert np.abs(np.abs(growth.distances) - growth.chosen["step"] / 2).max() > 0.015
     # vertices are about half a thickness from the true sphere, not from the noise
     radius = np.linalg.norm(growth.mesh.vertices_coords, axis=1)
     off = np.abs(np.abs(radius - 1) - growth.chosen["step"] / 2) / growth.chosen["step"]
