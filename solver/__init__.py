@@ -24,6 +24,8 @@ Growth front: its angles beta and k, new creases, length bounds (S20, S21)
     `Front`, `Rays`; modules `front` and `rays`.
 Growth strip by strip, on any side of a patch
     `grow`, `Strip`, `Stop`, `Growth`, `Status`, `Side`; module `growth`.
+Strips that are chosen one by one: which of them can be grown, and a proposal
+    `ChosenStrip`, `StripByStrip`; module `strip_choices`.
 Growth whose rows may end where vertices at their sides cannot be grown
     `grow_ending`; module `ending_rows`.
 Growth on a part of a front and around a corner, S1 B.1
@@ -70,6 +72,7 @@ from solver.designs import (
     RandomTube,
     RigidMiura,
     ShapedRibbon,
+    StripByStrip,
     SurfaceFit,
     TiltedRings,
 )
@@ -83,6 +86,7 @@ from solver.measure import developability, isometry, planarity
 from solver.mesh import QuadMesh, Side
 from solver.rays import Rays
 from solver.rigid_march import RigidSheet, march
+from solver.strip_choices import ChosenStrip
 from solver.strip_family import StripFamily, strip_family
 from solver.targets import (
     Frame,
@@ -121,6 +125,7 @@ from solver.vertex_family import VertexFamily, vertex_family
 __all__ = [
     "DESIGNS",
     "BrownianRibbon",
+    "ChosenStrip",
     "ClosedCurvedFold",
     "Closing",
     "Closings",
@@ -151,6 +156,7 @@ __all__ = [
     "Status",
     "Stop",
     "Strip",
+    "StripByStrip",
     "StripFamily",
     "SurfaceFit",
     "Target",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from solver.mesh import QuadMesh, Side
 from solver.rays import Rays
 from solver.vectors import LARGEST, SMALLEST, BoolArray, FloatArray
 
-__all__ = ["Growth", "Lengths", "Status", "Stop", "Strip", "grow"]
+__all__ = ["CLOSED", "GrowingDesign", "Growth", "Lengths", "Status", "Stop", "Strip", "grow"]
 
 
 class Status(StrEnum):
@@ -37,7 +37,7 @@ class Status(StrEnum):
 # More would not fit into the memory of a common machine.
 _MOST_QUADS = 20_000_000
 # A loop's flap angle may miss itself by this much, radians.
-_CLOSED = 1e-9
+CLOSED = 1e-9
 # Creases shorter than this share of the coordinates are lost in rounding.
 _RESOLVED = 1e-9
 _CURE = "Another flap angle or other lengths in this strip and those before may help."
@@ -99,6 +99,14 @@ class Growth:
     deviations: FloatArray | None = None
     distance: float | None = None
     distances: FloatArray | None = None
+
+
+class GrowingDesign(Protocol):
+    """A frozen dataclass whose fields are parameters, and that grows a sheet from them."""
+
+    def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
+        """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
+        ...
 
 
 def grow(
@@ -176,7 +184,7 @@ def grown_rows(
         if j == 0 and any(beyond):
             rays = rays.between(drop, drop + size)
         lengths = lengths_along(choice.lengths, rays)
-        if rays.closing_error > _CLOSED:
+        if rays.closing_error > CLOSED:
             advice = (
                 f"Strip {j + 1} of {strips}: once around the loop the flap angle misses itself by "
                 f"{rays.closing_error:.3g} rad. Take one of `solver.transfer.loop_closings`."

@@ -7,41 +7,74 @@ import math
 from collections.abc import Callable, Mapping
 from enum import Enum
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Protocol, get_origin, get_type_hints
+from types import UnionType
+from typing import (
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
-from pydantic import Field, create_model
+from pydantic import Field, Strict, create_model
 
 from fab.errors import Finding, InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.settings import Settings
-from solver import DESIGNS, Growth
+from solver import DESIGNS
 from solver.designs.surface_fit import SURFACES
 from solver.goals import Goals
+from solver.growth import GrowingDesign
 from solver.mesh import QuadMesh
 from solver.targets.base import Target
 from solver.targets.surface_mesh import SurfaceMesh
 
-__all__ = ["SHIPPED_DESIGNS", "DesignSettings", "GrowingDesign", "design_key", "design_settings"]
+__all__ = ["SHIPPED_DESIGNS", "DesignSettings", "design_key", "design_settings"]
 
 
-class GrowingDesign(Protocol):
-    """A frozen dataclass whose fields are parameters, and that grows a sheet from them."""
+class ParameterSettings(Settings):
+    """Base of tables whose keys are the fields of a dataclass.
 
-    def grow(self, progress: Callable[[int, int], None] | None = None) -> Growth:
-        """Grow the sheet. Raises `InvalidValue` for parameters out of bounds."""
-        ...
+    Attributes
+    ----------
+    design_class : the dataclass.
+    """
+
+    design_class: ClassVar[type[Any]]
+
+    @classmethod
+    def keys(cls) -> dict[str, str]:
+        """The key of each field of the dataclass, by the field's name."""
+        return {field.name: design_key(field) for field in _fields(cls.design_class)}
+
+    def parameters(self) -> Any:
+        """The dataclass with these values, angles in radians."""
+        return self.design_class(**self._given())
+
+    def _given(self) -> dict[str, Any]:
+        """The value of each field, by its name."""
+        given = {}
+        for field in _fields(self.design_class):
+            value = getattr(self, design_key(field))
+            if isinstance(value, tuple) and value and isinstance(value[0], ParameterSettings):
+                value = tuple(table.parameters() for table in value)
+            elif _is_angle(field) and value is not None:
+                value = _each(math.radians, value)
+            given[field.name] = value
+        return given
 
 
-class DesignSettings(Settings):
+class DesignSettings(ParameterSettings):
     """Base of the `design` tables; one for each design.
 
     Attributes
     ----------
-    design_class : the dataclass that grows.
     code : the file of its code, where it is not a shipped one.
     """
 
-    design_class: ClassVar[type[Any]]
     code: ClassVar[str | None] = None
 
     def design(
@@ -57,26 +90,28 @@ class DesignSettings(Settings):
         Raises `InvalidFile` for files that
         cannot be used.
         """
-        values = self.model_dump()
-        given = {}
+        given = self._given()
         findings: tuple[Finding, ...] = ()
         for field in _fields(self.design_class):
-            value = values[design_key(field)]
-            if _is_angle(field) and value is not None:
-                value = _each(math.radians, value)
-            elif _is_target(field):
-                value, findings = _target(value, values, folder)
-            given[field.name] = value
+            value = given[field.name]
+            if _is_target(field):
+                given[field.name], findings = _target(value, self.model_dump(), folder)
+            elif isinstance(value, DesignSettings):
+                given[field.name], findings = value.design(folder, goals, unit)
         for field in dataclasses.fields(self.design_class):
             if _given_as(field):
                 given[field.name] = {"goals": goals, "unit": unit}[_given_as(field)]
         design: GrowingDesign = self.design_class(**given)
         return design, findings
 
-    @classmethod
-    def keys(cls) -> dict[str, str]:
-        """The key of each field of the design, by the field's name."""
-        return {field.name: design_key(field) for field in _fields(cls.design_class)}
+    def key_of(self, name: str) -> str | None:
+        """The key of a field, or of a field of a design in it, as in "seed.columns"; or None."""
+        field, _, inner = name.partition(".")
+        key = self.keys().get(field)
+        within = getattr(self, key, None) if key and inner else None
+        if not isinstance(within, DesignSettings):
+            return key
+        return f"{key}.{within.key_of(inner) or inner}"
 
 
 def _target(
@@ -129,6 +164,10 @@ def _is_target(field: dataclasses.Field[Any]) -> bool:
     return bool(field.metadata.get("target"))
 
 
+def _is_design(field: dataclasses.Field[Any]) -> bool:
+    return bool(field.metadata.get("design"))
+
+
 def design_key(field: dataclasses.Field[Any]) -> str:
     """The key of a design's field in a job: angles are in degrees, lengths in mm, named so."""
     if field.metadata.get("length"):
@@ -142,18 +181,44 @@ def design_settings(kind: str, cls: type[Any], code: str | None = None) -> type[
     kind : the name that the table goes by; code : the file of the class, where it is not a shipped
     one.
     """
+    keys = {"kind": (Literal[kind], ...), **_model_fields(cls)}
+    table = create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **keys)
+    table.design_class, table.code = cls, code
+    return table
+
+
+def _model_fields(cls: type[Any]) -> dict[str, Any]:
+    """Type and default of each key of a table, from the fields of its dataclass."""
     types = get_type_hints(cls)
-    keys: dict[str, Any] = {"kind": (Literal[kind], ...)}
+    keys: dict[str, Any] = {}
     for field in _fields(cls):
-        annotation = str if _is_target(field) else types[field.name]
+        annotation = _annotation(field, types[field.name])
         keys[design_key(field)] = (annotation, _key(field, annotation))
         if _is_target(field):  # a file may hold several surfaces
             keys["face"] = (int | list[int] | None, None)
             direction = Annotated[list[float], Field(min_length=3, max_length=3)]
             keys["up"] = (direction | None, None)
-    table = create_model(f"{cls.__name__}Settings", __base__=DesignSettings, **keys)
-    table.design_class, table.code = cls, code
-    return table
+    return keys
+
+
+def _annotation(field: dataclasses.Field[Any], hint: Any) -> Any:
+    """What a job gives for a field: text for surfaces, tables for designs and dataclasses."""
+    if _is_target(field):
+        return str
+    if _is_design(field):
+        return Annotated[Union[tuple(_SEEDS.values())], Field(discriminator="kind")]  # noqa: UP007
+    parts = get_args(hint)
+    if get_origin(hint) is tuple and dataclasses.is_dataclass(parts[0]):
+        item: Any = parts[0]
+        table = create_model(
+            f"{item.__name__}Settings", __base__=ParameterSettings, **_model_fields(item)
+        )
+        table.design_class = item
+        return tuple[table, ...]
+    if get_origin(hint) in (Union, UnionType):  # a list among them is loose, as in `_key`
+        loose = [Annotated[part, Strict(False)] if get_args(part) else part for part in parts]
+        return Union[tuple(loose)]  # noqa: UP007
+    return hint
 
 
 def _key(field: dataclasses.Field[Any], annotation: Any) -> Any:
@@ -163,6 +228,9 @@ def _key(field: dataclasses.Field[Any], annotation: Any) -> Any:
     )
     strict = False if loose else None
     if field.default_factory is not dataclasses.MISSING:
+        if _is_design(field):
+            design = field.default_factory()
+            return Field(default_factory=lambda: _table_of(design))
         return Field(default_factory=field.default_factory, strict=strict)
     default: Any = field.default
     if default is dataclasses.MISSING:
@@ -172,6 +240,17 @@ def _key(field: dataclasses.Field[Any], annotation: Any) -> Any:
     return Field(default=default, strict=strict)
 
 
+def _table_of(design: Any) -> dict[str, Any]:
+    """The keys of a shipped design that are not as by default, in a job's units."""
+    (kind,) = [kind for kind, cls in DESIGNS.items() if cls is type(design)]
+    table: dict[str, Any] = {"kind": kind}
+    for field in _fields(type(design)):
+        value = getattr(design, field.name)
+        if value != field.default:
+            table[design_key(field)] = _each(math.degrees, value) if _is_angle(field) else value
+    return table
+
+
 def _each(convert: Callable[[float], float], value: Any) -> Any:
     """An angle converted, or each of several."""
     if isinstance(value, tuple | list):
@@ -179,4 +258,12 @@ def _each(convert: Callable[[float], float], value: Any) -> Any:
     return convert(value)
 
 
-SHIPPED_DESIGNS = {kind: design_settings(kind, cls) for kind, cls in DESIGNS.items()}
+# Designs that sheets of others may begin with.
+_SEEDS = {
+    kind: design_settings(kind, cls)
+    for kind, cls in DESIGNS.items()
+    if not any(map(_is_design, dataclasses.fields(cls)))
+}
+SHIPPED_DESIGNS = {
+    kind: _SEEDS.get(kind) or design_settings(kind, cls) for kind, cls in DESIGNS.items()
+}

@@ -105,7 +105,7 @@ def _named(job: Job) -> Iterator[None]:
         with nullcontext() if code is None else code_at(code):
             yield
     except InvalidValue as error:
-        key = job.design.keys().get(error.name.partition("[")[0])
+        key = job.design.key_of(error.name.partition("[")[0])
         place = f"design.{key}" if key else "design"
         raise InvalidJob(f"{place}: {error}") from error
 

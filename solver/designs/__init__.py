@@ -18,6 +18,7 @@ from solver.designs.miura import Miura
 from solver.designs.random_tube import RandomTube
 from solver.designs.rigid_miura import RigidMiura
 from solver.designs.shaped_ribbon import ShapedRibbon
+from solver.designs.strip_by_strip import StripByStrip
 from solver.designs.surface_fit import SurfaceFit
 from solver.designs.tilted_rings import TiltedRings
 
@@ -33,6 +34,7 @@ __all__ = [
     "RandomTube",
     "RigidMiura",
     "ShapedRibbon",
+    "StripByStrip",
     "SurfaceFit",
     "TiltedRings",
 ]
@@ -47,6 +49,7 @@ Design = (
     | RandomTube
     | RigidMiura
     | ShapedRibbon
+    | StripByStrip
     | SurfaceFit
     | TiltedRings
 )
@@ -61,6 +64,7 @@ DESIGNS: dict[str, type[Design]] = {
     "random_tube": RandomTube,
     "rigid_miura": RigidMiura,
     "shaped_ribbon": ShapedRibbon,
+    "strip_by_strip": StripByStrip,
     "surface_fit": SurfaceFit,
     "tilted_rings": TiltedRings,
 }

@@ -414,10 +414,12 @@ def test_the_job_of_the_readme_is_a_job():
     import tomllib
 
     from fab.jobs.job import parse_job
+    from fab.jobs.job_files import make
 
     blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    job, dome, goals, grown = map(tomllib.loads, blocks)
+    job, by_hand, dome, goals, grown = map(tomllib.loads, blocks)
     assert parse_job(job).name == "miura"
+    assert make(parse_job(by_hand), []).report["counts"]["faces"] == 21
     assert parse_job(dome).sheet.folded_width_mm == 300.0
     assert parse_job({**dome, **goals}).goals.least_side_mm == 8.0
     assert parse_job({**job, **grown}).design.method == "grow"
