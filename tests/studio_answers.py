@@ -26,11 +26,6 @@ def arrays_of(data: bytes) -> dict[str, np.ndarray]:
     return found
 
 
-def rest_of(data: bytes) -> bytes:
-    (length,) = struct.unpack("<I", data[:4])
-    return data[4 + length + 4 * sum(count for _, _, count in head_of(data)["arrays"]) :]
-
-
 def _crash() -> None:
     os._exit(7)
 
@@ -47,4 +42,18 @@ def _refuse() -> None:
     raise InvalidJob("rows = 0 is out of bounds")
 
 
-TASKS = {"pid": os.getpid, "crash": _crash, "hang": _hang, "fail": _fail, "refuse": _refuse}
+def _steps(progress) -> None:
+    progress("first", 0, 1, 30.0)
+    progress("second", 1, 4)
+    progress("second", 2, 4)  # too soon after the other
+    time.sleep(60)
+
+
+TASKS = {
+    "steps": _steps,
+    "pid": os.getpid,
+    "crash": _crash,
+    "hang": _hang,
+    "fail": _fail,
+    "refuse": _refuse,
+}

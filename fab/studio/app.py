@@ -9,7 +9,7 @@ from __future__ import annotations
 import hmac
 import json
 import tempfile
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -21,9 +21,12 @@ from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.outputs import Made, write
 from fab.studio.dropped_files import MOST_DROPPED, kept_file
+from fab.studio.exports import Exports
 from fab.studio.job_text import MOST_BYTES
 from fab.studio.messages import packed_answer
-from fab.studio.worker import Worker, WorkerLost
+from fab.studio.places import inside
+from fab.studio.stock import stock
+from fab.studio.worker import Worker, WorkerLost, WorkerStopped
 from solver.errors import OrigamiError
 
 if TYPE_CHECKING:
@@ -40,7 +43,8 @@ _MOST_MESSAGE = 3 * MOST_BYTES
 _MOST_CHANGES = 200
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'"
 )
 _HEADERS = {
     "Content-Security-Policy": _POLICY,
@@ -48,6 +52,11 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
+}
+# Of pages that were made: within the studio's, cut off from it and from all else.
+_MADE = {
+    **_HEADERS,
+    "Content-Security-Policy": "sandbox allow-scripts allow-downloads; frame-ancestors 'self'",
 }
 _ASSETS = {
     "studio.js": ("fab.studio", "text/javascript"),
@@ -92,11 +101,13 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
     from starlette.routing import Route
 
     pictures: dict[str, Path] = {}
+    exports: list[Exports] = []
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
         with tempfile.TemporaryDirectory(prefix="quadfold-studio-") as folder:
             pictures["folder"] = Path(folder)
+            exports[:] = [Exports(Path(folder) / "made")]
             try:
                 yield
             finally:
@@ -141,6 +152,8 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
                 return _refusal(413, str(error))
             except InvalidJob as error:
                 return _plain(packed_answer({"refused": str(error)}), "application/octet-stream")
+            except WorkerStopped:
+                return _plain(packed_answer({"stopped": True}), "application/octet-stream")
             except WorkerLost as error:
                 text = f"The process that does the work was lost: {error}"
                 return _plain(packed_answer({"lost": text}), "application/octet-stream")
@@ -149,13 +162,13 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
 
     common = {"folder": str(studio.folder), "allow_code": studio.allow_code}
 
-    async def asked(task: str, arguments: Mapping[str, Any]) -> bytes:
-        found: bytes = await _ask(studio.worker, task, arguments, _GROW_S)
+    async def asked(task: str, arguments: Mapping[str, Any], message: Mapping[str, Any]) -> bytes:
+        found: bytes = await _ask(studio.worker, task, arguments, _GROW_S, _tab(message))
         return found
 
     async def opened(message: Mapping[str, Any]) -> bytes:
         text = _text_of(message) if "text" in message else _template(_word(message, "template"))
-        return await asked("opened", {"text": text, **common})
+        return await asked("opened", {"text": text, **common}, message)
 
     async def grow(message: Mapping[str, Any]) -> bytes:
         arguments = {
@@ -163,30 +176,66 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
             "changes": _changes(message),
             "topology": _word(message, "topology"),
         }
-        return await asked("grow", {**arguments, **common})
+        return await asked("grow", {**arguments, **common}, message)
 
     async def fold(message: Mapping[str, Any]) -> bytes:
-        return await asked("fold", {"text": _text_of(message), **common})
+        return await asked("fold", {"text": _text_of(message), **common}, message)
 
     async def read(message: Mapping[str, Any]) -> bytes:
-        path = str(_inside(studio.folder, _word(message, "file")))
+        path = str(inside(studio.folder, _word(message, "file")))
         if message.get("states") is True:
-            return await asked("read_fold", {"path": path})
-        return await asked("read", {"path": path, "topology": _word(message, "topology")})
+            return await asked("read_fold", {"path": path}, message)
+        return await asked("read", {"path": path, "topology": _word(message, "topology")}, message)
 
     async def save(message: Mapping[str, Any]) -> bytes:
         text, name = _text_of(message), _word(message, "file")
-        await asked("opened", {"text": text, **common})  # what cannot be opened is not saved
+        await asked(
+            "opened", {"text": text, **common}, message
+        )  # what cannot be opened is not saved
         return packed_answer(_saved(studio.folder, text, name, message.get("replace") is True))
 
     async def make(message: Mapping[str, Any]) -> bytes:
-        into = None
-        if message.get("into") is not None:
-            into = str(_inside(studio.folder, _word(message, "into")))
-        arguments = {"text": _text_of(message), "into": into, **common}
-        found = await _ask(studio.maker, "made", arguments, _MAKE_S)
-        archive = found.pop("zip") or b""
-        return packed_answer({**found, "into": into}) + bytes(archive)
+        file = "" if "text" in message else _word(message, "file")
+        key, place = exports[0].place()
+        arguments = {
+            "command": _among(message, "command", ("run", "fabricate", "thicken")),
+            "text": _text_of(message) if "text" in message else None,
+            "file": str(inside(studio.folder, file)),
+            "request": _stock_request(message),
+            "place": str(place),
+            **common,
+        }
+        found = await _ask(studio.maker, "export", arguments, _MAKE_S, _tab(message))
+        exports[0].add(key, [name for name, _ in found["files"]])
+        return packed_answer({**found, "key": key})
+
+    async def keep(message: Mapping[str, Any]) -> bytes:
+        into = inside(studio.folder, _word(message, "into"))
+        await run_in_threadpool(exports[0].keep, _word(message, "key"), into)
+        return packed_answer({"into": str(into)})
+
+    async def made(request: Request) -> Response:
+        key, name = request.path_params["key"], request.path_params["name"]
+        try:
+            if name == "all.zip":
+                return _plain(await run_in_threadpool(exports[0].archive, key), "application/zip")
+            path = exports[0].files(key).get(name)
+        except InvalidJob as error:
+            return _refusal(404, str(error))
+        if path is None:
+            return _refusal(404, "no such file")
+        data = await run_in_threadpool(path.read_bytes)
+        if path.suffix == ".html":
+            return _plain(data, "text/html", _MADE)
+        return _plain(data, "application/octet-stream")
+
+    async def progress(message: Mapping[str, Any]) -> bytes:
+        step = studio.maker.step(_tab(message))
+        return packed_answer({"step": None if step is None else step.report()})
+
+    async def stocked(message: Mapping[str, Any]) -> bytes:
+        del message
+        return packed_answer({"stock": await run_in_threadpool(stock, studio.folder)})
 
     async def drop(request: Request) -> Response:
         try:
@@ -202,13 +251,12 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         return _plain(packed_answer(kept), "application/octet-stream")
 
     async def stop(message: Mapping[str, Any]) -> bytes:
-        del message
-        studio.worker.stop()
-        studio.maker.stop()
+        for worker in (studio.worker, studio.maker):
+            worker.stop(_tab(message))
         return packed_answer({})
 
     posts = {"open": opened, "grow": grow, "fold": fold, "read": read, "save": save}
-    posts |= {"make": make, "stop": stop}
+    posts |= {"make": make, "keep": keep, "progress": progress, "stop": stop, "stock": stocked}
     base = "/{token}"
     return Starlette(
         routes=[
@@ -216,6 +264,7 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
             Route(f"{base}/start", start),
             Route(f"{base}/drop", drop, methods=["POST"]),
             Route(f"{base}/pictures/{{name}}", picture),
+            Route(f"{base}/made/{{key}}/{{name}}", made),
             *(
                 Route(f"{base}/{name}", answers(ask), methods=["POST"])
                 for name, ask in posts.items()
@@ -258,10 +307,12 @@ class _TooLarge(Exception):
     """A body that is longer than its bound."""
 
 
-def _plain(data: bytes, media: str = "text/html") -> Response:
+def _plain(
+    data: bytes, media: str = "text/html", headers: Mapping[str, str] = _HEADERS
+) -> Response:
     from starlette.responses import Response
 
-    return Response(data, headers=_HEADERS, media_type=media)
+    return Response(data, headers=headers, media_type=media)
 
 
 def _refusal(status: int, text: str) -> Response:
@@ -270,10 +321,12 @@ def _refusal(status: int, text: str) -> Response:
     return PlainTextResponse(text, status, headers=_HEADERS)
 
 
-async def _ask(worker: Worker, task: str, arguments: Mapping[str, Any], seconds: float) -> Any:
+async def _ask(
+    worker: Worker, task: str, arguments: Mapping[str, Any], seconds: float, owner: str = ""
+) -> Any:
     from starlette.concurrency import run_in_threadpool
 
-    return await run_in_threadpool(worker.ask, task, arguments, seconds)
+    return await run_in_threadpool(worker.ask, task, arguments, seconds, owner)
 
 
 async def _body(request: Request, most: int) -> bytes:
@@ -303,6 +356,28 @@ def _word(message: Mapping[str, Any], key: str) -> str:
     if not isinstance(value, str) or len(value) > 1000 or "\0" in value:
         raise _Malformed(f"{key} must be a short text.")
     return value
+
+
+def _tab(message: Mapping[str, Any]) -> str:
+    """Which tab asks; pages without a name for theirs stop one another."""
+    return _word(message, "tab") if "tab" in message else ""
+
+
+def _among(message: Mapping[str, Any], key: str, choices: Sequence[str]) -> str:
+    word = _word(message, key)
+    if word not in choices:
+        raise _Malformed(f"{key} must be one of {', '.join(choices)}.")
+    return word
+
+
+def _stock_request(message: Mapping[str, Any]) -> dict[str, Any]:
+    """What sheets or panels are made of and with; empty where it is left out."""
+    names = ("material", "machine", "printer", "print_material")
+    words = {name: _word(message, name) if name in message else "" for name in names}
+    copies = message.get("copies", 1)
+    if isinstance(copies, bool) or not isinstance(copies, int):
+        raise _Malformed("copies must be a whole number.")
+    return {**words, "copies": copies, "two_sided": message.get("two_sided") is True}
 
 
 def _text_of(message: Mapping[str, Any]) -> str:
@@ -357,24 +432,9 @@ def _template(name: str) -> str:
     return known[name].read_text(encoding="utf-8")
 
 
-def _inside(folder: Path, name: str) -> Path:
-    """A path within the folder. Raises `InvalidJob` for one that leaves it."""
-    inside = folder.resolve()
-    try:
-        place = (inside / name).resolve()
-    except (OSError, ValueError, RuntimeError) as error:
-        raise InvalidJob(f"{shortened(name)!r} is no path.") from error
-    if not place.is_relative_to(inside):
-        raise InvalidJob(
-            f"{shortened(name)!r} is outside {inside}, where the studio was started: it reads and "
-            "writes nothing else. Choose a place within."
-        )
-    return place
-
-
 def _saved(folder: Path, text: str, name: str, replace: bool) -> dict[str, Any]:
     """Write a job into the folder; where a file has its name, only if that may be replaced."""
-    path = _inside(folder, name)
+    path = inside(folder, name)
     if path.parent != folder.resolve() or path.suffix != ".toml":
         raise InvalidJob(f"{shortened(name)!r} must be the name of a .toml file, without a folder.")
     if path.exists() and not replace:

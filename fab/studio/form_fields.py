@@ -5,17 +5,17 @@ from __future__ import annotations
 import inspect
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from fab.catalogue import shipped_of
 from fab.jobs.design_settings import DesignSettings
 from fab.jobs.job import Job
 from fab.settings import Settings, alternatives
+from fab.studio.stock import Kind, names_of
 from solver.designs.surface_fit import SURFACES
 
 __all__ = ["FormField", "form_fields"]
@@ -27,6 +27,11 @@ _UNITS = {
     "_mm": "mm",
     "_deg": "°",
     "_rad": "rad",
+}
+# Texts that name what there is in stock.
+_STOCK: Mapping[tuple[str, ...], Kind] = {
+    ("printer", "machine"): "printer",
+    ("printer", "material"): "print",
 }
 _BOUNDS = {"gt": "min", "ge": "min", "lt": "max", "le": "max"}
 
@@ -65,7 +70,12 @@ def form_fields(job: Job) -> tuple[FormField, ...]:
     >>> fields["design.fold_deg"].default, fields["design.fold_deg"].unit
     (45.0, '°')
     """
-    return (*_of_table(type(job.design), ("design",)), *_of_table(type(job), ()))
+    return tuple(
+        replace(field, choices=names_of(_STOCK[field.path], job.folder))
+        if field.path in _STOCK
+        else field
+        for field in (*_of_table(type(job.design), ("design",)), *_of_table(type(job), ()))
+    )
 
 
 def _of_table(table: type[Settings], above: tuple[str, ...]) -> Iterator[FormField]:
@@ -90,7 +100,7 @@ def _field(
     path: tuple[str, ...], info: FieldInfo, kind: str, names: tuple[str, ...], text: str
 ) -> FormField:
     default = None if info.is_required() else info.get_default(call_default_factory=True)
-    suggested = _suggested(path)
+    suggested = tuple(SURFACES) if path == ("design", "surface") else ()
     if isinstance(default, Enum):
         default = default.value
     unit = next((unit for end, unit in _UNITS.items() if path[-1].endswith(end)), "")
@@ -105,17 +115,6 @@ def _field(
         low=bounds.get("min"),
         high=bounds.get("max"),
     )
-
-
-def _suggested(path: tuple[str, ...]) -> tuple[str, ...]:
-    """Names that are offered for a text, which may be another: a file."""
-    if path == ("design", "surface"):
-        return tuple(SURFACES)
-    kinds: Mapping[tuple[str, ...], Literal["printer", "print"]] = {
-        ("printer", "machine"): "printer",
-        ("printer", "material"): "print",
-    }
-    return tuple(shipped_of(kinds[path])) if path in kinds else ()
 
 
 def _kind(choices: list[Any]) -> str:

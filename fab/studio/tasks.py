@@ -13,10 +13,12 @@ import numpy as np
 
 from fab.errors import Finding
 from fab.jobs.job import load_job
-from fab.jobs.job_files import Sheet, grown_sheet, make
+from fab.jobs.job_files import Sheet, grown_sheet
 from fab.jobs.reading import read_sheet
-from fab.outputs import plain_title, require_folder, write, zip_bytes
+from fab.outputs import plain_title
 from fab.pattern.crease_pattern import CreasePattern
+from fab.studio.export_tasks import export
+from fab.studio.findings import listed
 from fab.studio.form_fields import form_fields
 from fab.studio.job_text import changed_text, job_of_text
 from fab.studio.messages import packed_answer
@@ -27,12 +29,10 @@ from fab.viewing.scene_builders import pattern_scene
 from fab.viewing.view_choice import best_view
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["TASKS", "fold", "grow", "made", "opened", "picture", "read"]
+__all__ = ["TASKS", "fold", "grow", "opened", "picture", "read"]
 
 # Pixels of a picture in the gallery, which is drawn twice as large.
 _PICTURE = (480, 360)
-# Findings that the page lists; it says how many there are.
-_LISTED = 50
 # Pixels above and below the form in a picture.
 _MARGIN = 12
 
@@ -122,26 +122,6 @@ def picture(path: str) -> bytes:
     return stream.getvalue()
 
 
-def made(text: str, folder: str, into: str | None, allow_code: bool) -> dict[str, Any]:
-    """All files of a job as `quadfold run` makes them: written into a folder, or as a zip archive.
-
-    into : the folder; None for an archive, under "zip". Raises `InvalidJob`.
-    """
-    job = job_of_text(text, Path(folder), allow_code=allow_code)
-    if into is not None:
-        require_folder(Path(into))
-    found = make(job)
-    if into is not None:
-        write(found, into)
-    return {
-        "name": job.name,
-        "files": [[name, len(data)] for name, data in found.files.items()],
-        "findings": _listed(found.findings),
-        "sound": found.within_tolerance,
-        "zip": zip_bytes(found.files) if into is None else None,
-    }
-
-
 TASKS: Mapping[str, Callable[..., Any]] = {
     "opened": opened,
     "grow": grow,
@@ -149,7 +129,7 @@ TASKS: Mapping[str, Callable[..., Any]] = {
     "read": read,
     "read_fold": read_fold,
     "picture": picture,
-    "made": made,
+    "export": export,
 }
 
 # The sheet that grew last, with what it grew from: its fold is asked for next.
@@ -194,7 +174,7 @@ def _answer(
         "faces": pattern.face_count,
         "creases": pattern.counts(),
         "hasForm": pattern.folded_coords is not None,
-        "findings": _listed(findings, pattern),
+        "findings": listed(findings, pattern),
         "findingsCount": len(findings),
     }
     if topology != known:
@@ -228,21 +208,3 @@ def _convex(pattern: CreasePattern) -> bool:
     at = pattern.vertices_coords[corners]
     to, since = at[onward] - at, at - at[back]
     return bool((since[:, 0] * to[:, 1] - since[:, 1] * to[:, 0] > 0).all())
-
-
-def _listed(
-    findings: Sequence[Finding], pattern: CreasePattern | None = None
-) -> list[dict[str, Any]]:
-    """The first findings, with numbers of creases and panels that the pattern has."""
-    creases = len(pattern.edges_vertices) if pattern is not None else 0
-    panels = pattern.face_count if pattern is not None else 0
-    return [
-        {
-            "code": finding.code,
-            "severity": finding.severity.value,
-            "text": finding.text,
-            "creases": [edge for edge in finding.creases if edge < creases],
-            "panels": [face for face in finding.panels if face < panels],
-        }
-        for finding in findings[:_LISTED]
-    ]

@@ -12,8 +12,9 @@ from helpers import ROOT, TEMPLATES
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
-from studio_answers import arrays_of, head_of, rest_of
+from studio_answers import arrays_of, head_of
 
+from fab.catalogue import shipped
 from fab.cli.group import main
 from fab.studio.app import Studio, studio_app
 from fab.studio.job_text import job_of_text
@@ -211,12 +212,95 @@ def test_jobs_are_saved_in_the_folder_and_nowhere_else(client, folder):
     assert (folder / "own.toml").read_text(encoding="utf-8") == other
 
 
-def test_files_are_made_within_the_folder_and_nowhere_else(client, folder):
+def test_files_are_read_and_kept_within_the_folder_and_nowhere_else(client, folder):
+    key = made(client, text='outputs = ["fold"]\n' + MIURA)["key"]
     before = files_under(folder.parent)
-    for into in ("..", "../out", "/tmp/studio_out"):
-        assert "is outside" in head_of(ask(client, "make", text=MIURA, into=into))["refused"]
+    for into in ("..", "../out", "/tmp/studio_out", "a/../../out"):
+        assert "is outside" in head_of(ask(client, "keep", key=key, into=into))["refused"]
     assert "is outside" in head_of(ask(client, "read", file="../x.fold", topology=""))["refused"]
+    for stock in ({"material": "../m.toml"}, {"machine": "/tmp/m.toml"}, {"material": ""}):
+        message = {"material": "card_300gsm", "machine": "co2_60w_600x400", **stock}
+        assert "refused" in head_of(ask(client, "make", command="fabricate", text=MIURA, **message))
+    for address in (f"{key}/x.fold", f"{key}/..%2fmiura.png", f"{'0' * 16}/miura.fold"):
+        assert client.get(f"made/{address}").status_code == 404
+    assert "gone" in head_of(ask(client, "keep", key="0" * 16, into="out"))["refused"]
     assert files_under(folder.parent) == before
+
+
+def test_only_the_last_few_exports_are_held(client):
+    text = 'outputs = ["fold"]\n' + MIURA
+    keys = [made(client, text=text)["key"] for _ in range(9)]
+    assert client.get(f"made/{keys[0]}/miura.fold").status_code == 404
+    assert client.get(f"made/{keys[1]}/miura.fold").status_code == 200
+
+
+def test_pages_that_were_made_are_cut_off_from_the_studio(client):
+    found = made(client, text='outputs = ["fold", "html"]\n' + MIURA)
+    page = client.get(f"made/{found['key']}/{found['page']}")
+    assert page.text.startswith("<!DOCTYPE html>")
+    policy = page.headers["content-security-policy"]
+    assert policy.startswith("sandbox allow-scripts")
+    assert "allow-same-origin" not in policy
+    assert "'self'" in policy.partition("frame-ancestors")[2]
+
+
+def made(client, command="run", **message):
+    head = head_of(ask(client, "make", command=command, **message))
+    assert "key" in head, head
+    return head
+
+
+def archive_of(client, key):
+    with zipfile.ZipFile(io.BytesIO(client.get(f"made/{key}/all.zip").content)) as package:
+        return {each: package.read(each) for each in package.namelist()}
+
+
+def test_sheets_and_panels_are_what_the_commands_make_of_the_pattern(client, folder):
+    """Of a job's pattern, and of one in a file of the folder; with stock of the folder."""
+    text = head_of(grown(client, changes=SMALL))["text"]
+    fold = archive_of(client, made(client, text='outputs = ["fold"]\n' + text)["key"])["miura.fold"]
+    home = folder / "stock"
+    home.mkdir()
+    (folder / "miura.fold").write_bytes(fold)
+    own = shipped("materials")["card_300gsm"].read_text().replace("Card, 300", "Own card, 300")
+    (folder / "own_card.toml").write_text(own, encoding="utf-8")
+    names = [each["name"] for each in head_of(ask(client, "stock"))["stock"]["sheet"]]
+    assert names[0] == "acrylic_2mm"
+    assert names[-1] == "own_card.toml"
+    sheets = {"material": "own_card.toml", "machine": "co2_60w_600x400", "copies": 2}
+    options = ["--material", folder / "own_card.toml", "--machine", sheets["machine"]]
+    expected = run_command("fabricate", folder / "miura.fold", home, *options, "--copies", 2)
+    for source in ({"text": text}, {"file": "miura.fold"}):
+        found = made(client, "fabricate", **source, **sheets)
+        assert found["page"] == "miura_sheets.html"
+        assert archive_of(client, found["key"]) == expected
+    printers = {"printer": "prusa_mk4s", "print_material": "pla_filament"}
+    options = ["--printer", printers["printer"], "--material", printers["print_material"]]
+    own = ["panels.gap_mm=0.8", "hinges.web_mm=0.4", "hinges.relief_mm=0.3"]  # of the job
+    options += [word for each in own for word in ("--set", each)]
+    expected = run_command("thicken", folder / "miura.fold", folder / "thick", *options)
+    by_job = "".join([text, "\n[printer]\nmachine = 'prusa_mk4s'\nmaterial = 'pla_filament'\n"])
+    found = made(client, "thicken", text=by_job)
+    assert without_seconds(archive_of(client, found["key"])) == without_seconds(expected)
+    by_file = made(client, "thicken", file="miura.fold", **printers)
+    report = json.loads(archive_of(client, by_file["key"])["miura_thick_report.json"])
+    assert report["settings"]["printer"] == {"machine": "prusa_mk4s", "material": "pla_filament"}
+    assert report["printer"]["nozzle_mm"] == 0.4
+    assert "only a job" in head_of(ask(client, "make", command="run", file="miura.fold"))["refused"]
+
+
+def run_command(command, file, out, *options):
+    arguments = [command, file, "--out", out, *options]
+    assert CliRunner().invoke(main, [*map(str, arguments)]).exit_code in (0, 1)
+    return {path.name: path.read_bytes() for path in out.iterdir()}
+
+
+def without_seconds(files):
+    """Files as they are, but reports as values without their durations."""
+    reports = {name: json.loads(data) for name, data in files.items() if name.endswith(".json")}
+    for report in reports.values():
+        report.pop("seconds", None)
+    return {**files, **reports}
 
 
 @pytest.mark.parametrize(
@@ -231,21 +315,12 @@ def test_what_is_exported_is_what_run_makes_of_the_saved_job(client, folder, nam
     opened = head_of(ask(client, "open", template=name))
     text = head_of(grown(client, opened["text"], changes))["text"]
     ask(client, "save", text=text, file=f"{name}.toml")
-    archive = ask(client, "make", text=text, into=None)
-    wrote = head_of(ask(client, "make", text=text, into=f"studio/{name}"))
-    arguments = ["run", str(folder / f"{name}.toml"), "--out", str(folder / "run" / name)]
-    assert CliRunner().invoke(main, arguments).exit_code in (0, 1)
-    ran = {path.name: path.read_bytes() for path in (folder / "run" / name).iterdir()}
-    with zipfile.ZipFile(io.BytesIO(rest_of(archive))) as package:
-        packed = {each: package.read(each) for each in package.namelist()}
-    written = {path.name: path.read_bytes() for path in (folder / "studio" / name).iterdir()}
-    assert {each for each, _ in wrote["files"]} == set(written) == set(packed) == set(ran)
-    for made in (packed, written):
-        reports = [json.loads(each.pop("report.json")) for each in (made, dict(ran))]
-        for report in reports:
-            del report["seconds"]
-        assert reports[0] == reports[1]
-        assert made == {each: data for each, data in ran.items() if each != "report.json"}
+    found = made(client, text=text)
+    ask(client, "keep", key=found["key"], into=f"studio/{name}")
+    ran = without_seconds(run_command("run", folder / f"{name}.toml", folder / "run" / name))
+    kept = {path.name: path.read_bytes() for path in (folder / "studio" / name).iterdir()}
+    assert [each for each, _ in found["files"]] == list(packed := archive_of(client, found["key"]))
+    assert without_seconds(packed) == without_seconds(kept) == ran
 
 
 def test_dropped_patterns_are_kept_and_read(client, folder):
@@ -265,9 +340,7 @@ def test_dropped_patterns_are_kept_and_read(client, folder):
 
 def made_fold(client):
     text = head_of(grown(client, changes=SMALL))["text"]
-    archive = ask(client, "make", text='outputs = ["fold"]\n' + text, into=None)
-    with zipfile.ZipFile(io.BytesIO(rest_of(archive))) as package:
-        return package.read("miura.fold")
+    return archive_of(client, made(client, text='outputs = ["fold"]\n' + text)["key"])["miura.fold"]
 
 
 def test_dropped_surfaces_come_with_a_job_and_others_are_refused(client, folder):

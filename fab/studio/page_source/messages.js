@@ -16,8 +16,13 @@ export function unpack(buffer) {
   return head;
 }
 
-/** Ask and wait for the answer; one that says why there is none has "refused" or "lost". */
-export const ask = (name, message) => post(name, JSON.stringify(message));
+const tab = crypto.randomUUID(); // tabs stop what they asked for, and not one another
+
+/** Ask and wait for the answer; one that says why there is none has "refused", "lost" or "stopped". */
+export const ask = (name, message) => post(name, JSON.stringify({ ...message, tab }));
+
+/** Stop what this tab asks for, also while its page is left. */
+export const leave = () => navigator.sendBeacon("stop", JSON.stringify({ tab }));
 
 /** The same with a body of any kind, such as a file. */
 export async function post(name, body) {

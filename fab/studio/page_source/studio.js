@@ -1,9 +1,11 @@
 // The studio's page: a gallery, and a job whose sheet is shown as its values change.
 
 import { canDraw } from "../../viewing/page_source/form_view.js";
+import { Exports } from "./exports.js";
 import { fillForm, markFaults } from "./job_form.js";
 import { LiveForm, LivePattern, toForm } from "./live_view.js";
-import { Newest, ask, post } from "./messages.js";
+import { remember, remembered } from "./memory.js";
+import { Newest, ask, leave, post } from "./messages.js";
 
 const FOLD_AFTER = 250; // milliseconds without a change
 const find = (selector) => document.querySelector(selector);
@@ -11,6 +13,7 @@ const find = (selector) => document.querySelector(selector);
 const start = await (await fetch("start")).json();
 const pattern = new LivePattern(find("#pattern"), start.colours.edges);
 const queue = new Newest(show);
+const files = new Exports(() => (job ? { text: job.text } : { file: sheet.source.file }), notice);
 let view; // of the form, made with the first sheet
 let sheet; // the last good one
 let job; // its text, and changes that were not accepted yet
@@ -21,9 +24,15 @@ let painting = false;
 find("#place").textContent = start.folder;
 buildGallery();
 wire();
-if (start.text !== null) openJob({ text: start.text }, start.file);
-else if (start.file !== null) openPattern(start.file);
-else showGallery();
+begin(remembered());
+
+/** Go on where this tab was, or begin with the file that the studio was started with. */
+function begin(work) {
+  if (work?.gallery || (!work && start.file === null)) showGallery();
+  else if (work?.text) openJob({ text: work.text }, work.file, work.unsettled);
+  else if (work || start.text === null) openPattern((work ?? start).file);
+  else openJob({ text: start.text }, start.file);
+}
 
 function buildGallery() {
   const seen = new IntersectionObserver((entries) => {
@@ -72,8 +81,10 @@ function wire() {
   find("#apply").addEventListener("click", () => openJob({ text: find("#text").value }, find("#save-name").value));
   find("#stop").addEventListener("click", () => ask("stop", {}));
   find("#save").addEventListener("click", () => save(false));
-  find("#make-folder").addEventListener("click", () => makeFiles(find("#into").value));
-  find("#make-zip").addEventListener("click", () => makeFiles(null));
+  find("#again").addEventListener("click", () => (job ? grow() : openPattern(sheet?.source.file ?? find("#title").textContent)));
+  find("#save-name").addEventListener("input", keepWork);
+  window.addEventListener("pagehide", leave);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => view?.pick(view.picked));
   find("#fold").addEventListener("input", foldTo);
   find("#creases").addEventListener("change", (event) => view?.showCreases(event.target.checked));
   find("#whole").addEventListener("click", () => view?.reset());
@@ -87,6 +98,7 @@ function wire() {
 
 function showGallery() {
   notice("");
+  remember({ gallery: true });
   find("#gallery").hidden = false;
   drawPictures();
   find("#work").hidden = true;
@@ -102,24 +114,44 @@ function showWork(name) {
   window.scrollTo(0, 0);
 }
 
-/** Open the job of a template or of a text; file : what it is saved as. */
-async function openJob(message, file) {
+/** Open the job of a template or of a text; file : what it is saved as; unsettled : changes to it. */
+async function openJob(message, file, unsettled = []) {
   const answer = await ask("open", message);
-  if (answer.refused || answer.lost) return notice(answer.refused ?? answer.lost);
+  if (!answer.fields) return refuse(answer);
   notice("");
-  job = { text: answer.text, unsettled: new Map() };
+  job = { text: answer.text, unsettled: new Map(unsettled) };
   sheet = undefined;
   showWork(answer.name);
-  find("#keys").hidden = find("#files").hidden = false;
+  find("#keys").hidden = find("#save-job").hidden = false;
   find("#save-name").value = file;
-  find("#made").textContent = "";
-  find("#made-files").replaceChildren();
+  files.begin({ isJob: true });
+  keepWork();
   fillForm(find("#form"), answer.fields, answer.values, (path, value) => {
     change(path, value);
     if (path[0] === "sheet" && value !== null) dropOtherSizes(path, answer.fields);
     grow();
   });
+  for (const [path, value] of job.unsettled.values()) put(path, value);
   return grow();
+}
+
+/** Say why a job was not opened; where there is none yet, choose another. */
+function refuse(answer) {
+  if (find("#work").hidden) showGallery();
+  notice(answer.refused ?? answer.lost ?? "It was stopped.");
+}
+
+function keepWork() {
+  const file = find("#save-name").value;
+  if (job) remember({ text: job.text, file, unsettled: [...job.unsettled] });
+}
+
+/** Show a value in its field. */
+function put(path, value) {
+  const field = find(`[data-key="${path.join(".")}"]`);
+  if (!field) return;
+  if (field.type === "checkbox") field.checked = value === true;
+  else field.value = value ?? "";
 }
 
 /** Open a file of the user's: a pattern, or a surface with a job that follows it. */
@@ -133,6 +165,7 @@ async function openFile(chosen) {
 
 function change(path, value) {
   job.unsettled.set(JSON.stringify(path), [path, value]);
+  keepWork();
 }
 
 /** A sheet has one size: the others are left out. */
@@ -140,7 +173,7 @@ function dropOtherSizes(path, fields) {
   for (const { path: other } of fields) {
     if (other[0] !== "sheet" || other[1] === path[1]) continue;
     change(other, null);
-    find(`[data-key="${other.join(".")}"]`).value = "";
+    put(other, null);
   }
 }
 
@@ -149,7 +182,9 @@ function openPattern(file) {
   job = undefined;
   sheet = undefined;
   showWork(file);
-  find("#keys").hidden = find("#files").hidden = true;
+  find("#keys").hidden = find("#save-job").hidden = true;
+  files.begin({ isJob: false });
+  remember({ file });
   busy();
   queue.ask(async () => ({ ...(await ask("read", { file, topology: "" })), file }));
 }
@@ -168,13 +203,8 @@ function grow() {
 function show(answer, later) {
   if (answer.job && answer.job !== job) return; // another job was opened meanwhile
   if (!later) find("#stop").hidden = true;
-  const failed = answer.refused ?? answer.lost;
-  if (failed) {
-    if (later) return;
-    verdict("error", answer.refused ? "Not grown: the last good form is shown" : "Lost: the last good form is shown");
-    notice(failed);
-    markFaults(find("#form"), failed);
-    allowFiles(false);
+  if (!answer.topology) {
+    if (!later) keepLast(answer);
     return;
   }
   notice("");
@@ -199,6 +229,16 @@ function show(answer, later) {
   if (!later) askFold();
 }
 
+/** Say why there is no new sheet; the last good one stays. */
+function keepLast({ refused, lost, stopped }) {
+  const what = refused ? "Not grown" : stopped ? "Stopped" : "Lost";
+  verdict("error", sheet ? `${what}: the last good form is shown` : what);
+  notice(refused ?? lost ?? "");
+  markFaults(find("#form"), refused ?? "");
+  find("#again").hidden = Boolean(refused);
+  allowFiles(false);
+}
+
 /** Take the text that has the changes, and keep those that came since. */
 function settle({ text, name, changes }) {
   job.text = text;
@@ -208,6 +248,7 @@ function settle({ text, name, changes }) {
   }
   find("#text").value = text;
   find("#title").textContent = name;
+  keepWork();
 }
 
 function drawForm(same) {
@@ -249,6 +290,7 @@ function askFold() {
 function busy() {
   verdict("busy", "Growing …");
   find("#stop").hidden = false;
+  find("#again").hidden = true;
 }
 
 function verdict(kind, text) {
@@ -301,7 +343,8 @@ function notice(text) {
 }
 
 function allowFiles(allowed) {
-  for (const id of ["save", "make-folder", "make-zip"]) find(`#${id}`).disabled = !allowed;
+  find("#save").disabled = !allowed;
+  files.allow(allowed);
 }
 
 async function save(replace) {
@@ -311,35 +354,6 @@ async function save(replace) {
     if (confirm(`${answer.exists} exists. Replace it?`)) await save(true);
     return;
   }
-  find("#made").textContent = answer.saved ? `saved ${answer.saved}` : "";
+  find("#saved").textContent = answer.saved ? `saved ${answer.saved}` : "";
   notice(answer.refused ?? answer.lost ?? "");
-}
-
-/** Make all files of the job, into a folder, or as an archive that the browser saves. */
-async function makeFiles(into) {
-  allowFiles(false);
-  find("#stop").hidden = false;
-  find("#made").textContent = "Making all files, which may take minutes …";
-  find("#made-files").replaceChildren();
-  const answer = await ask("make", { text: job.text, into });
-  find("#stop").hidden = true;
-  allowFiles(true);
-  notice(answer.refused ?? answer.lost ?? "");
-  find("#made").textContent = "";
-  if (!answer.files) return;
-  const errors = answer.sound ? "" : ", with findings that are errors";
-  find("#made").textContent = into === null ? `made ${answer.name}.zip${errors}` : `wrote into ${answer.into}${errors}`;
-  const items = answer.files.map(([name, bytes]) =>
-    Object.assign(document.createElement("li"), { textContent: `${name}, ${bytes} bytes` }),
-  );
-  find("#made-files").replaceChildren(...items);
-  if (into === null) download(answer.rest, `${answer.name}.zip`);
-}
-
-function download(data, name) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([data], { type: "application/zip" }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }

@@ -1,0 +1,165 @@
+// Files of the job: which are made, how far that is, and where they go.
+
+import { ask } from "./messages.js";
+
+const LOOK_AFTER = 400; // milliseconds between two looks at how far it is
+const STOCK = { material: "sheet", machine: "cutter", printer: "printer", print_material: "print" };
+const USUAL = ["card_300gsm", "co2_60w_600x400"]; // chosen at first
+const find = (selector) => document.querySelector(selector);
+
+export class Exports {
+  /** source : says what files are made of, { text } or { file }; notice : takes what went wrong. */
+  constructor(source, notice) {
+    this.source = source;
+    this.notice = notice;
+    this.busy = this.allowed = false;
+    for (const radio of document.querySelectorAll("input[name=command]")) {
+      radio.addEventListener("change", () => this.#choose());
+    }
+    find("#make").addEventListener("click", () => this.#make());
+    find("#keep").addEventListener("click", () => this.#keep());
+    find("#cancel").addEventListener("click", () => ask("stop", {}));
+  }
+
+  /** Begin with another job or pattern: nothing is made of it yet. */
+  async begin({ isJob }) {
+    this.isJob = isJob;
+    this.#forget();
+    for (const radio of document.querySelectorAll("input[name=command]")) {
+      radio.disabled = radio.value === "run" && !isJob;
+    }
+    find(`input[name=command][value=${isJob ? "run" : "fabricate"}]`).checked = true;
+    this.#choose();
+    const { stock } = await ask("stock", {});
+    if (!stock) return;
+    for (const [id, kind] of Object.entries(STOCK)) fill(find(`#${id}`), stock[kind], id.startsWith("print"));
+  }
+
+  /** Whether there is a sheet that files can be made of. */
+  allow(allowed) {
+    this.allowed = allowed;
+    find("#make").disabled = !allowed || this.busy;
+  }
+
+  #forget() {
+    this.key = undefined;
+    find("#made").textContent = "";
+    find("#made-files").replaceChildren();
+    find("#made-of").hidden = find("#result").hidden = true;
+    find("#result iframe").removeAttribute("src");
+  }
+
+  #choose() {
+    this.command = find("input[name=command]:checked").value;
+    find("#of-fabricate").hidden = this.command !== "fabricate";
+    find("#of-thicken").hidden = this.command !== "thicken" || this.isJob;
+    find("#by-job").hidden = this.command !== "thicken" || !this.isJob;
+  }
+
+  #request() {
+    const { command } = this;
+    if (command === "run") return {};
+    const value = (id) => find(`#${id}`).value;
+    if (command === "thicken") return this.isJob ? {} : { printer: value("printer"), print_material: value("print_material") };
+    const copies = find("#copies").valueAsNumber;
+    const two_sided = find("#two-sided").checked;
+    return { material: value("material"), machine: value("machine"), copies: Number.isNaN(copies) ? 0 : copies, two_sided };
+  }
+
+  async #make() {
+    const source = this.source();
+    this.#forget();
+    this.#setBusy(true);
+    const answer = await ask("make", { ...source, command: this.command, ...this.#request() });
+    this.#setBusy(false);
+    this.notice(answer.refused ?? answer.lost ?? "");
+    if (answer.stopped) find("#made").textContent = "Cancelled: no file was made.";
+    if (answer.key) this.#show(answer);
+  }
+
+  #setBusy(busy) {
+    this.busy = busy;
+    this.allow(this.allowed);
+    find("#making").hidden = !busy;
+    clearTimeout(this.timer);
+    if (!busy) return;
+    find("#bar").removeAttribute("value");
+    find("#stage").textContent = "begins …";
+    this.timer = setTimeout(() => this.#look(), LOOK_AFTER);
+  }
+
+  async #look() {
+    const { step } = await ask("progress", {});
+    if (!this.busy) return;
+    if (step) {
+      const { stage, done, total, left } = step;
+      const share = total > 1 ? ` ${done} of ${total}` : "";
+      find("#stage").textContent = stage + share + (left === null ? "" : `, ${timeOf(left)} left`);
+      if (total > 1) find("#bar").value = done / total;
+      else find("#bar").removeAttribute("value");
+    }
+    this.timer = setTimeout(() => this.#look(), LOOK_AFTER);
+  }
+
+  #show({ key, name, files, page, sound, findings, findingsCount }) {
+    this.key = key;
+    const place = `made/${key}/`;
+    const errors = sound ? "" : ", with findings that are errors";
+    find("#made").textContent = `made ${count(files.length, "file")}${errors}`;
+    const items = files.map(([file, bytes]) => {
+      const item = document.createElement("li");
+      item.append(loading(place + encodeURIComponent(file), file), ` ${size(bytes)}`);
+      return item;
+    });
+    find("#made-files").replaceChildren(...items);
+    const told = findings.map(({ severity, code, text }) => `${severity}: ${code}: ${text}`);
+    if (findingsCount > findings.length) told.push(`and ${findingsCount - findings.length} more`);
+    find("#made-findings").replaceChildren(
+      ...told.map((textContent) => Object.assign(document.createElement("li"), { textContent })),
+    );
+    find("#made-of").hidden = false;
+    Object.assign(find("#zip"), { href: `${place}all.zip`, download: `${name}.zip` });
+    find("#result").hidden = page === null;
+    if (page === null) return;
+    const address = place + encodeURIComponent(page);
+    find("#result-title").textContent = page;
+    find("#result iframe").src = find("#alone").href = address;
+  }
+
+  async #keep() {
+    const answer = await ask("keep", { key: this.key, into: find("#into").value });
+    this.notice(answer.refused ?? answer.lost ?? "");
+    if (answer.into) find("#made").textContent = `wrote into ${answer.into}`;
+  }
+}
+
+/** Choices of a select, those of the folder apart; the one that is chosen stays. */
+function fill(select, stock, optional) {
+  const before = select.value;
+  const groups = [false, true].map((own) => {
+    const group = Object.assign(document.createElement("optgroup"), { label: own ? "in the folder" : "shipped" });
+    const chosen = stock.filter((each) => each.own === own);
+    group.append(...chosen.map(({ name, text }) => new Option(text ? `${name}: ${text}` : name, name)));
+    return group;
+  });
+  const none = optional ? [new Option("none", "")] : [];
+  select.replaceChildren(...none, ...groups.filter((group) => group.children.length));
+  const chosen = [before, ...USUAL].find((name) => [...select.options].some(({ value }) => value === name));
+  if (chosen !== undefined) select.value = chosen;
+}
+
+function loading(href, name) {
+  return Object.assign(document.createElement("a"), { href, download: name, textContent: name });
+}
+
+function timeOf(seconds) {
+  return seconds < 90 ? `about ${Math.max(1, Math.round(seconds))} s` : `about ${Math.round(seconds / 60)} min`;
+}
+
+function size(bytes) {
+  return bytes < 1e6 ? `${Math.max(1, Math.round(bytes / 1e3))} kB` : `${(bytes / 1e6).toPrecision(3)} MB`;
+}
+
+function count(number, what) {
+  return `${number} ${what}${number === 1 ? "" : "s"}`;
+}
