@@ -188,11 +188,13 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         return await asked("read", {"path": path, "topology": _word(message, "topology")}, message)
 
     async def save(message: Mapping[str, Any]) -> bytes:
-        text, name = _text_of(message), _word(message, "file")
+        text, name, before = _text_of(message), _word(message, "file"), message.get("before")
         await asked(
             "opened", {"text": text, **common}, message
         )  # what cannot be opened is not saved
-        return packed_answer(_saved(studio.folder, text, name, message.get("replace") is True))
+        return packed_answer(
+            _saved(studio.folder, text, name, before, replace=message.get("replace") is True)
+        )
 
     async def make(message: Mapping[str, Any]) -> bytes:
         file = "" if "text" in message else _word(message, "file")
@@ -414,7 +416,7 @@ def _beginning(studio: Studio) -> dict[str, Any]:
     file = studio.file
     text = None
     if file is not None and file.suffix == ".toml":
-        text = file.read_text(encoding="utf-8-sig")
+        text = _read(file)
     return {
         "templates": templates(),
         "folder": str(studio.folder),
@@ -422,6 +424,14 @@ def _beginning(studio: Studio) -> dict[str, Any]:
         "text": text,
         "colours": {"upper": UPPER, "lower": LOWER, "edges": CREASE_INK},
     }
+
+
+def _read(file: Path) -> str | None:
+    """The text of a job's file; None where it is none."""
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError):
+        return None
 
 
 def _template(name: str) -> str:
@@ -432,12 +442,16 @@ def _template(name: str) -> str:
     return known[name].read_text(encoding="utf-8")
 
 
-def _saved(folder: Path, text: str, name: str, replace: bool) -> dict[str, Any]:
-    """Write a job into the folder; where a file has its name, only if that may be replaced."""
+def _saved(folder: Path, text: str, name: str, before: Any, *, replace: bool) -> dict[str, Any]:
+    """Write a job into the folder; where a file has its name, only if that may be replaced.
+
+    before : the text that the file has, as far as the page knows: then it may.
+    """
     path = inside(folder, name)
     if path.parent != folder.resolve() or path.suffix != ".toml":
         raise InvalidJob(f"{shortened(name)!r} must be the name of a .toml file, without a folder.")
-    if path.exists() and not replace:
+    known = isinstance(before, str) and _read(path) == before
+    if path.exists() and not replace and not known:
         return {"exists": path.name}
     write(Made({path.name: text.encode()}, {}, ()), folder)
     return {"saved": str(path)}

@@ -23,6 +23,7 @@ from fab.studio.form_fields import form_fields
 from fab.studio.job_text import changed_text, job_of_text
 from fab.studio.messages import packed_answer
 from fab.viewing.face_triangles import face_corner_triangles
+from fab.viewing.level_of_detail import detail_note
 from fab.viewing.predicted_fold import predicted_scene
 from fab.viewing.scene import Scene
 from fab.viewing.scene_builders import pattern_scene
@@ -174,6 +175,7 @@ def _answer(
         "faces": pattern.face_count,
         "creases": pattern.counts(),
         "hasForm": pattern.folded_coords is not None,
+        "detail": detail_note(pattern.face_count),
         "findings": listed(findings, pattern),
         "findingsCount": len(findings),
     }

@@ -24,6 +24,7 @@ from fab.drawings.layer_colours import Colours
 from fab.errors import Finding, Severity, counted
 from fab.viewing.drawing import CREASE_INK
 from fab.viewing.face_triangles import face_corner_triangles
+from fab.viewing.level_of_detail import detail_note
 from fab.viewing.page_data import has_face_values, page_data, state_names
 from fab.viewing.page_drawings import (
     LOWER,
@@ -212,11 +213,13 @@ def _form(page: ResultPage, axes: FloatArray) -> Iterator[str]:
             '<label><input type="radio" name="shown" value="panels">panels</label></fieldset>'
         )
     yield from _coloured(page.scene)
-    yield '<label><input type="checkbox" id="creases" checked>lines</label>'
+    note = detail_note(page.scene.pattern.face_count)
+    checked = "" if note else " checked"
+    yield f'<label><input type="checkbox" id="creases"{checked}>lines</label>'
     yield _steps(("left", "Turn left", "↺"), ("right", "Turn right", "↻"))
     yield "</div>"
     yield '<p class="hint" id="form-keys">Drag, or use the arrow keys, to turn; + and - zoom, and '
-    yield "so does the wheel once the view is chosen; 0 shows the whole.</p></div>"
+    yield f"so does the wheel once the view is chosen; 0 shows the whole. {note}</p></div>"
     yield '<details class="still" open><summary>Pictures</summary><div>'
     pictures = {
         page.pictures[name]: page.files[name] for name in page.pictures if name in page.files

@@ -11,13 +11,12 @@ from fab.folding.bar_hinge_model import framework
 from fab.folding.quasi_static import aligned
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.pattern.crease_pattern import CreasePattern
+from fab.viewing.level_of_detail import states_between
 from fab.viewing.scene import Scene
 from fab.viewing.scene_builders import pattern_scene
 from solver.errors import OrigamiError
 
 __all__ = ["predicted_scene"]
-
-_BETWEEN = 9
 
 
 def predicted_scene(
@@ -27,7 +26,7 @@ def predicted_scene(
     findings: Sequence[Finding] = (),
     upright: bool = False,
 ) -> Scene:
-    """The flat sheet, nine states on its way, and its folded form where the pattern has one.
+    """The flat sheet, some states on its way, and its folded form where the pattern has one.
 
     On the way all creases have turned by the same share of their angles, and the sheet fits that by
     least squares: it stretches a little where it does not fold at one rate. Sheets with cuts, and
@@ -44,7 +43,7 @@ def predicted_scene(
     except OrigamiError:
         return scene
     predictor = rotation_predictor(frame)
-    shares = np.linspace(0.0, 1.0, _BETWEEN + 2)
+    shares = np.linspace(0.0, 1.0, states_between(pattern.face_count) + 2)
     states = [scene.folded_coords]
     for share in shares[-2:0:-1].tolist():
         coords = predictor.coords(share * frame.hinges_target) * frame.size_mm

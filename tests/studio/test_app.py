@@ -208,8 +208,11 @@ def test_jobs_are_saved_in_the_folder_and_nowhere_else(client, folder):
         "arrays": [],
     }
     assert (folder / "own.toml").read_text(encoding="utf-8") == MIURA
-    ask(client, "save", text=other, file="own.toml", replace=True)
+    ask(client, "save", text=other, file="own.toml", before=MIURA)  # which it has
     assert (folder / "own.toml").read_text(encoding="utf-8") == other
+    assert "exists" in head_of(ask(client, "save", text=MIURA, file="own.toml", before=MIURA))
+    ask(client, "save", text=MIURA, file="own.toml", before=MIURA, replace=True)
+    assert (folder / "own.toml").read_text(encoding="utf-8") == MIURA
 
 
 def test_files_are_read_and_kept_within_the_folder_and_nowhere_else(client, folder):

@@ -1,127 +1,9 @@
 """The studio in a real browser, served by the command itself."""
 
-import io
-import os
 import re
-import signal
-import subprocess
-import sys
-import threading
-import time
 
-import numpy as np
 import pytest
-from browser import chromium
-from helpers import ROOT, TEMPLATES
-from PIL import Image
-
-RIM = 12
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("studio")
-    text = (TEMPLATES / "miura.toml").read_text(encoding="utf-8")
-    (made / "own.toml").write_text(text.replace("columns = 10 ", "columns = 6 "), encoding="utf-8")
-    return made
-
-
-class Served:
-    """The command, and the address that it prints."""
-
-    def __init__(self, folder, *arguments):
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "fab", "studio", "--no-browser", *arguments],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        guard = threading.Timer(60, self.process.kill)
-        guard.start()
-        self.address = ""
-        for line in self.process.stdout:
-            found = re.search(r"http://127\.0\.0\.1:\d+/[\w-]{32}/", line)
-            if found:
-                self.address = found.group()
-                break
-        guard.cancel()
-        assert self.address
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        said, _ = self.process.communicate(timeout=30)
-        return self.process.returncode, said
-
-
-@pytest.fixture(scope="module")
-def served(browser, folder):
-    made = Served(folder, "own.toml")
-    yield made
-    assert made.end()[0] == 0
-
-
-@pytest.fixture
-def page(browser, served):
-    """The studio with a job, in a tab of its own; whatever the browser complains about fails."""
-    context = browser.new_context(viewport={"width": 1400, "height": 1000}, accept_downloads=True)
-    made = context.new_page()
-    complaints, foreign = [], []
-    made.on("pageerror", lambda error: complaints.append(str(error)))
-    made.on(
-        "console",
-        lambda message: (
-            complaints.append(message.text)
-            if message.type in ("error", "warning") and "ReadPixels" not in message.text
-            else None
-        ),
-    )
-    made.on(
-        "request",
-        lambda request: (
-            foreign.append(request.url)
-            if not request.url.startswith((served.address, "blob:", "data:"))
-            else None
-        ),
-    )
-    made.goto(served.address)
-    wait_until(made, lambda: verdict(made).startswith("grown"))
-    wait_until(made, made.locator("#fold").is_enabled)  # its states have come
-    yield made
-    context.close()
-    assert complaints == []
-    assert foreign == []
-
-
-def wait_until(page, true):
-    until = time.monotonic() + 30
-    while not true():
-        assert time.monotonic() < until
-        page.wait_for_timeout(50)
-
-
-def verdict(page):
-    return page.locator("#verdict").text_content()
-
-
-def put(page, key, value):
-    page.locator(f'[data-key="{key}"]').fill(str(value))
-
-
-def shot(page):
-    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    picture = Image.open(io.BytesIO(page.locator("#form-view canvas").screenshot())).convert("RGB")
-    return np.asarray(picture)[RIM:-RIM, RIM:-RIM]
-
-
-def differ(first, second):
-    return (first != second).any(axis=2).mean()
+from studio_pages import differ, make, put, shot, verdict, wait_until
 
 
 def test_a_value_changes_form_and_pattern(page):
@@ -179,7 +61,7 @@ def test_the_job_is_saved_with_its_comments(page, folder):
     put(page, "design.rows", 5)
     wait_until(page, lambda: verdict(page) == "grown: 30 faces.")
     page.locator("#save").click()  # over the file that it was opened from
-    wait_until(page, lambda: "saved" in page.locator("#made").text_content())
+    wait_until(page, lambda: "saved" in page.locator("#saved").text_content())
     saved = (folder / "own.toml").read_text(encoding="utf-8")
     assert "rows = 5\n" in saved
     assert "# acute angle of the parallelograms" in saved
@@ -189,24 +71,28 @@ def test_the_job_is_saved_with_its_comments(page, folder):
     wait_until(page, lambda: "rows = 8\n" in (folder / "own.toml").read_text(encoding="utf-8"))
 
 
-def test_all_files_are_made_as_a_zip(page, folder):
+def test_all_files_are_made_looked_at_and_kept(page, folder):
     page.locator("#source summary").click()
     text = page.locator("#text").input_value()
-    page.locator("#text").fill('outputs = ["fold", "svg"]\n' + text)
+    page.locator("#text").fill('outputs = ["fold", "svg", "html"]\n' + text)
     page.locator("#apply").click()
-    wait_until(page, lambda: verdict(page) == "grown: 48 faces.")
     wait_until(page, lambda: "outputs" in page.locator("#text").input_value())
-    with page.expect_download(timeout=60_000) as loaded:
-        page.locator("#make-zip").click()
-    assert loaded.value.suggested_filename == "miura.zip"
-    listed = page.locator("#made-files").text_content()
-    for name in ("miura.fold", "miura.svg", "report.json"):
-        assert name in listed
+    wait_until(page, lambda: verdict(page) == "grown: 48 faces.")
+    make(page)
+    names = {"miura.fold", "miura.svg", "miura.html", "report.json"}
+    assert {link.text_content() for link in page.locator("#made-files a").all()} == names
+    frame = page.frame_locator("#result iframe")
+    frame.locator("canvas").wait_for(timeout=30_000)
+    assert frame.locator("h1").text_content() == "miura"
+    for link, name in (("#zip", "miura.zip"), ("#made-files a >> nth=0", "miura.fold")):
+        with page.expect_download(timeout=30_000) as loaded:
+            page.locator(link).click()
+        assert loaded.value.suggested_filename == name
+    assert loaded.value.path().read_bytes().startswith(b"{")
     page.locator("#into").fill("files")
-    page.locator("#make-folder").click()
+    page.locator("#keep").click()
     wait_until(page, lambda: "wrote into" in page.locator("#made").text_content())
-    made = {path.name for path in (folder / "files").iterdir()}
-    assert made == {"miura.fold", "miura.svg", "report.json"}
+    assert {path.name for path in (folder / "files").iterdir()} == names
 
 
 def test_the_gallery_shows_pictures_and_opens_a_template(page):

@@ -29,9 +29,9 @@ begin(remembered());
 /** Go on where this tab was, or begin with the file that the studio was started with. */
 function begin(work) {
   if (work?.gallery || (!work && start.file === null)) showGallery();
-  else if (work?.text) openJob({ text: work.text }, work.file, work.unsettled);
+  else if (work?.text) openJob({ text: work.text }, work.file, work);
   else if (work || start.text === null) openPattern((work ?? start).file);
-  else openJob({ text: start.text }, start.file);
+  else openJob({ text: start.text }, start.file, { saved: start });
 }
 
 function buildGallery() {
@@ -78,7 +78,7 @@ async function drawPictures() {
 
 function wire() {
   find("#to-gallery").addEventListener("click", showGallery);
-  find("#apply").addEventListener("click", () => openJob({ text: find("#text").value }, find("#save-name").value));
+  find("#apply").addEventListener("click", () => openJob({ text: find("#text").value }, find("#save-name").value, { saved: job.saved }));
   find("#stop").addEventListener("click", () => ask("stop", {}));
   find("#save").addEventListener("click", () => save(false));
   find("#again").addEventListener("click", () => (job ? grow() : openPattern(sheet?.source.file ?? find("#title").textContent)));
@@ -103,23 +103,32 @@ function showGallery() {
   drawPictures();
   find("#work").hidden = true;
   find("#to-gallery").hidden = true;
-  find("#title").textContent = "quadfold studio";
+  heading("quadfold studio");
 }
 
 function showWork(name) {
   find("#gallery").hidden = true;
   find("#work").hidden = false;
   find("#to-gallery").hidden = false;
-  find("#title").textContent = name;
+  heading(name);
   window.scrollTo(0, 0);
 }
 
-/** Open the job of a template or of a text; file : what it is saved as; unsettled : changes to it. */
-async function openJob(message, file, unsettled = []) {
+/** Say what is shown now, also to those who do not see it: the keyboard goes on from there. */
+function heading(text) {
+  find("#title").textContent = text;
+  find("#title").focus({ preventScroll: true });
+}
+
+/**
+ * Open the job of a template or of a text; file : what it is saved as; unsettled : changes to it;
+ * saved : what the file has, where this tab knows that.
+ */
+async function openJob(message, file, { unsettled = [], saved } = {}) {
   const answer = await ask("open", message);
   if (!answer.fields) return refuse(answer);
   notice("");
-  job = { text: answer.text, unsettled: new Map(unsettled) };
+  job = { text: answer.text, unsettled: new Map(unsettled), saved };
   sheet = undefined;
   showWork(answer.name);
   find("#keys").hidden = find("#save-job").hidden = false;
@@ -143,7 +152,7 @@ function refuse(answer) {
 
 function keepWork() {
   const file = find("#save-name").value;
-  if (job) remember({ text: job.text, file, unsettled: [...job.unsettled] });
+  if (job) remember({ text: job.text, file, unsettled: [...job.unsettled], saved: job.saved });
 }
 
 /** Show a value in its field. */
@@ -222,6 +231,7 @@ function show(answer, later) {
     colours: start.colours,
     source: answer.job ? { text: answer.text } : { file: answer.file },
   };
+  showDetail(answer.detail);
   drawForm(same);
   pattern.show(sheet);
   tell(answer);
@@ -260,7 +270,16 @@ function drawForm(same) {
   }
   if (view) view.replace(sheet, same);
   else view = new LiveForm(find("#form-view canvas"), toForm(sheet));
+  view.showCreases(find("#creases").checked);
   foldTo();
+}
+
+/** Say what is left out of a large sheet; its lines are off at first. */
+function showDetail(note) {
+  const hint = find("#detail");
+  if (Boolean(note) === hint.hidden) find("#creases").checked = !note;
+  hint.hidden = !note;
+  hint.textContent = note;
 }
 
 function foldTo() {
@@ -347,13 +366,19 @@ function allowFiles(allowed) {
   files.allow(allowed);
 }
 
+/** Save the job; a file that is there already is replaced if it is as this tab knows it. */
 async function save(replace) {
   const file = find("#save-name").value;
-  const answer = await ask("save", { text: job.text, file, replace: replace || file === start.file });
+  const { text } = job;
+  const before = job.saved?.file === file ? job.saved.text : null;
+  const answer = await ask("save", { text, file, before, replace });
   if (answer.exists) {
-    if (confirm(`${answer.exists} exists. Replace it?`)) await save(true);
+    const why = before === null ? "exists" : "was changed by another tab or program since";
+    if (confirm(`${answer.exists} ${why}. Replace it?`)) await save(true);
     return;
   }
+  if (answer.saved) job.saved = { file, text };
+  keepWork();
   find("#saved").textContent = answer.saved ? `saved ${answer.saved}` : "";
   notice(answer.refused ?? answer.lost ?? "");
 }

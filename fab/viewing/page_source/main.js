@@ -41,6 +41,7 @@ function startView() {
   }
   const creases = figure.querySelector("#creases");
   creases.addEventListener("change", () => made.showCreases(creases.checked));
+  made.showCreases(creases.checked);
   const steps = {
     in: () => made.zoom(1.25),
     out: () => made.zoom(1 / 1.25),
