@@ -1,15 +1,8 @@
-"""One browser and one studio for all tests of its page."""
+"""One studio for all tests of its page."""
 
 import pytest
-from browser import chromium
 from helpers import TEMPLATES
 from studio_pages import Served, studio_tab, verdict, wait_until
-
-
-@pytest.fixture(scope="package")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(scope="package")

@@ -57,9 +57,11 @@ def open_template(page, name):
     wait_until(page, lambda: verdict(page).startswith("grown"))
 
 
-def children(process):
-    listed = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    return [int(child) for child in listed]
+def workers(process):
+    """Numbers of the processes that a studio has started, by any of its threads."""
+    tasks = Path(f"/proc/{process}/task").glob("*/children")
+    listed = [int(child) for each in tasks for child in each.read_text().split()]
+    return [each for each in listed if b"spawn_main" in Path(f"/proc/{each}/cmdline").read_bytes()]
 
 
 def test_a_surface_is_dropped_and_a_sheet_follows_it(page, tetrahedron, folder):
@@ -179,9 +181,8 @@ def test_a_worker_that_dies_is_told_and_another_grows_76_000_faces(page, served)
     page.locator("#text").fill(text)
     page.locator("#apply").click()
     page.wait_for_timeout(1500)  # it grows for some seconds
-    for child in children(served.process.pid):
-        if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes():
-            os.kill(child, signal.SIGKILL)
+    for each in workers(served.process.pid):
+        os.kill(each, signal.SIGKILL)
     wait_until(page, lambda: verdict(page).startswith("Lost"))
     assert "crashed (exit code -9); a new process is ready" in notice(page)
     assert (shot(page) == good).all()

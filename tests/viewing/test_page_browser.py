@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 import pytest
-from browser import chromium, opened
+from browser import opened
 from click.testing import CliRunner
 from helpers import TEMPLATES
 from PIL import Image
@@ -37,12 +37,6 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...others) {
 def made(*arguments):
     result = CliRunner().invoke(main, [str(argument) for argument in arguments])
     assert result.exit_code in (0, 1), result.output
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with chromium() as started:
-        yield started
 
 
 @pytest.fixture(scope="module")
