@@ -1,4 +1,4 @@
-"""Goals of makers: bounds of sides, inradii, sectors and folds, and the room that panels need.
+"""Goals of makers: bounds of sides, inradii, sectors and folds, room for panels, alike panels.
 
 Bounds of lengths are given in a maker's unit. How long that is in the units of a surface may only
 be known of a sheet, whose flat or folded size is given: `Goals.unit` is asked of it.
@@ -16,6 +16,7 @@ from solver.hinge_angles import hinge_angles
 from solver.incircles import incircles
 from solver.measure import sector_angles
 from solver.mesh import QuadMesh
+from solver.panel_shapes import PanelCount, shape_lengths
 from solver.quad_hinges import side_hinges
 from solver.vectors import BoolArray, FloatArray, IntArray, norm
 
@@ -25,6 +26,8 @@ __all__ = ["Bounds", "FaceMeasures", "Goals", "PanelRoom", "face_measures"]
 _MET = 1e-9
 # Soft terms aim beyond bounds by this many times what is missed, and by this share of the bound.
 _FARTHER, _SAFE = 1.1, 0.005
+# They hold alike panels to no less than this share of what they may differ by.
+_CLOSEST = 0.5
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class Bounds:
     ----------
     least_side, least_inradius : of all faces, the radius of the widest circle in each.
     least_sector : of all sector angles. most_fold : of all fold angles, mountains or valleys.
-    panels : room for panels, or None.
+    panels : room for panels, or None. alike : how many different panels there may be, or None.
     """
 
     least_side: float = 0.0
@@ -64,17 +67,25 @@ class Bounds:
     least_sector: float = 0.0
     most_fold: float = np.pi
     panels: PanelRoom | None = None
+    alike: PanelCount | None = None
 
     def measures(self, coords: FloatArray, faces_vertices: IntArray) -> FaceMeasures:
         """What these bounds are of, of a sheet; see `face_measures`."""
-        return face_measures(coords, faces_vertices, self.panels)
+        return face_measures(coords, faces_vertices, self.panels, self.alike)
+
+    def with_templates(self, coords: FloatArray, faces_vertices: IntArray) -> Bounds:
+        """These bounds, of panels that are alike the templates which a sheet has now."""
+        if self.alike is None:
+            return self
+        shapes = self.alike.templates(shape_lengths(coords[faces_vertices]))
+        return replace(self, alike=replace(self.alike, shapes=shapes))
 
     def faces_fine(self, coords: FloatArray, faces_vertices: IntArray) -> BoolArray:
         """`fine` of a sheet with vertices (nv, 3) and faces (nf, 4)."""
         return self.fine(self.measures(coords, faces_vertices))
 
     def misses(self, reached: FaceMeasures) -> FloatArray:
-        """By what share of its bound each of the five is missed, shape (5,); 0 where it is met.
+        """By what share of its bound each of the six is missed, shape (6,); 0 where it is met.
 
         Folds count as shares of what is left of a half turn.
         """
@@ -85,6 +96,7 @@ class Bounds:
             _lack(self.least_sector, reached.sector),
             _lack(np.pi - self.most_fold, straight),
             0.0 if self.panels is None else _lack(self.panels.radius, reached.room),
+            0.0 if self.alike is None else _excess(self.alike.within, reached.unlike),
         ]
         return np.array([0.0 if lack <= _MET else lack for lack in lacks])
 
@@ -97,6 +109,8 @@ class Bounds:
         )
         if self.panels is not None:
             out = out & (reached.room >= self.panels.radius * (1 - _MET))
+        if self.alike is not None:
+            out = out & (reached.unlike <= self.alike.within * (1 + _MET))
         return np.asarray(out)
 
     def beyond(self, reached: FaceMeasures, aim: Bounds, share: float = 1.0) -> Bounds:
@@ -118,6 +132,14 @@ class Bounds:
         if panels is not None:
             before = 0.0 if aim.panels is None else aim.panels.radius
             panels = replace(panels, radius=next_aim(panels.radius, reached.room, before))
+        alike = self.alike
+        if alike is not None:
+            unlike = float(reached.unlike.max(initial=0.0))
+            before = alike.within if aim.alike is None else aim.alike.within
+            within = before - _FARTHER * max(0.0, unlike - alike.within)
+            if share < 1:
+                within = unlike + share * (alike.within - unlike)
+            alike = replace(alike, within=max(within, _CLOSEST * alike.within))
         straight = np.pi - reached.most_fold
         fold = np.pi - next_aim(np.pi - self.most_fold, np.array([straight]), np.pi - aim.most_fold)
         return Bounds(
@@ -126,6 +148,7 @@ class Bounds:
             next_aim(self.least_sector, reached.sector, aim.least_sector),
             max(fold, self.most_fold / 2),
             panels,
+            alike,
         )
 
 
@@ -167,11 +190,15 @@ class Goals:
         bounds, panels = self.bounds, self.bounds.panels
         if panels is not None:
             panels = replace(panels, radius=unit * panels.radius, size=unit * panels.size)
+        alike = bounds.alike
+        if alike is not None:
+            alike = replace(alike, within=unit * alike.within)
         return replace(
             bounds,
             least_side=unit * bounds.least_side,
             least_inradius=unit * bounds.least_inradius,
             panels=panels,
+            alike=alike,
         )
 
 
@@ -180,7 +207,7 @@ class FaceMeasures:
     """Measures of each face: least side, inradius, least sector, radius for a panel, shape (nf,).
 
     most_fold : the largest fold angle of the sheet, radians. room is infinite where panels have no
-    bounds.
+    bounds. unlike : the largest difference of each face from its template, 0 where none are wanted.
     """
 
     side: FloatArray
@@ -188,10 +215,14 @@ class FaceMeasures:
     sector: FloatArray
     room: FloatArray
     most_fold: float
+    unlike: FloatArray
 
 
 def face_measures(
-    coords: FloatArray, faces_vertices: IntArray, panels: PanelRoom | None = None
+    coords: FloatArray,
+    faces_vertices: IntArray,
+    panels: PanelRoom | None = None,
+    alike: PanelCount | None = None,
 ) -> FaceMeasures:
     """What goals bound, of a sheet with vertices (nv, 3) and faces (nf, 4).
 
@@ -211,7 +242,16 @@ def face_measures(
         around = np.append(angles, np.nan)[beside]
         for back in panels.at(around.ravel()):
             room = np.minimum(room, incircles(corners, back.reshape(around.shape)).radii)
-    return FaceMeasures(side, radius, sector, room, float(np.abs(angles).max(initial=0.0)))
+    unlike = np.zeros(len(corners))
+    if alike is not None:
+        lengths = shape_lengths(corners)
+        unlike = alike.templates(lengths).unlike(lengths)
+    return FaceMeasures(side, radius, sector, room, float(np.abs(angles).max(initial=0.0)), unlike)
+
+
+def _excess(most: float, reached: FloatArray) -> float:
+    found = float(reached.max(initial=0.0))
+    return max(0.0, 1 - most / found) if found > 0 else 0.0
 
 
 def _lack(least: float, reached: FloatArray) -> float:

@@ -357,7 +357,10 @@ class _Search:
             start=start,
             interrupted=self.interrupted,
         )
-        fine_faces = None if wanted is None else wanted.faces_fine
+        fine_faces = None
+        if wanted is not None:
+            now = fit.relaxation.coords, sheet.faces_vertices
+            fine_faces = wanted.with_templates(*now).faces_fine
         half = sheet.cell.along / 2
         tried = (
             iter([fit.mesh])
@@ -408,7 +411,7 @@ class _Search:
         for _ in range(_GOAL_ROUNDS):
             if not best.missed or self._stopped():
                 break
-            aim = wanted.beyond(reached, aim, share)
+            aim = wanted.beyond(reached, aim, share).with_templates(at, laid.sheet.faces_vertices)
             found, coords = self._relaxed(laid, aim, at, wanted)
             found, nearer, measures = self._judged(found, goals, larger)
             if (found.faults, found.missed) >= (best.faults, best.missed):

@@ -78,7 +78,8 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     if "distance" in report["growth"]:
         yield _distance(report["growth"]["distance"])
     for key, goal in (report["goals"] or {}).items():
-        yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached"
+        within = f" within {goal['within_mm']:g} mm" if "within_mm" in goal else ""
+        yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached{within}"
 
 
 def _distance(distance: Mapping[str, float]) -> str:

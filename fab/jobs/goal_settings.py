@@ -24,3 +24,12 @@ class GoalSettings(Settings):
     most_fold_deg: float | None = Field(
         default=None, gt=0, le=180, description="largest fold angle, mountain or valley"
     )
+    different_panels: int | None = Field(
+        default=None, ge=1, description="templates by which all panels are cut, turned or not"
+    )
+    alike_mm: float = Field(
+        default=0.2,
+        gt=0,
+        le=1e5,
+        description="by how much a side or diagonal may differ from that of the template",
+    )

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, Severity, counted, first_few
+from fab.jobs.alike_panels import alike_panels, needed_mm
 from fab.jobs.job import SheetSettings, SheetSize
 from fab.panels.feasibility import Feasibility
 from fab.panels.inset_limits import inradii, rounded_down, rounded_up
@@ -20,6 +21,7 @@ from fab.pattern.development import develop
 from solver import Growth
 from solver.goals import Bounds, Goals
 from solver.mesh import QuadMesh
+from solver.panel_shapes import PanelCount
 from solver.polygons import next_corner
 from solver.vectors import FloatArray
 
@@ -46,6 +48,11 @@ def design_goals(settings: SheetSettings) -> Goals | None:
         least_sector=math.radians(goals.least_sector_deg or 0.0),
         most_fold=math.radians(goals.most_fold_deg or 180.0),
         panels=room,
+        alike=(
+            None
+            if goals.different_panels is None
+            else PanelCount(goals.different_panels, goals.alike_mm)
+        ),
     )
     if bounds == Bounds():
         return None
@@ -101,6 +108,10 @@ def check_goals(
             text = f"goals.{key} = {bound:g} is missed: {found.text}. {cure}"
             places = found.creases, found.panels
             findings.append(Finding("goal-missed", Severity.WARNING, text, *places))
+    if goals.different_panels is not None:
+        alike = _alike(pattern, goals.different_panels, goals.alike_mm)
+        report["different_panels"] = alike.report
+        findings += alike.findings
     if _has_panels(settings) and growth is not None and growth.deviations is not None:
         room = _panels(pattern, settings)
         report["panels"] = room.report
@@ -136,6 +147,25 @@ def _panels(pattern: CreasePattern, settings: SheetSettings) -> GoalsCheck:
     return GoalsCheck(
         report, (Finding("goal-missed", Severity.WARNING, text, panels=first_few(lost)),)
     )
+
+
+def _alike(pattern: CreasePattern, bound: int, within_mm: float) -> GoalsCheck:
+    """How many templates all panels are cut by, and which one each panel."""
+    found = alike_panels(pattern, within_mm, bound)
+    met = found.different <= bound
+    report = {"bound": bound, "reached": found.different, "met": met, "within_mm": within_mm}
+    report["faces_template"] = found.faces_template.tolist()
+    if met:
+        return GoalsCheck(report, ())
+    needed = needed_mm(pattern, bound)
+    looser = "" if needed is None else f", and so is alike_mm = {rounded_up(needed)}"
+    text = (
+        f"goals.different_panels = {bound} is missed: panels are of {found.different} shapes that "
+        f"differ by more than alike_mm = {within_mm:g}. different_panels = {found.different} is "
+        f"within reach{looser}. Relaxed sheets have few shapes where their surface is alike all "
+        "around or all along, and on other gentle ones."
+    )
+    return GoalsCheck(report, (Finding("goal-missed", Severity.WARNING, text),))
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ import numpy as np
 from fab import __version__
 from fab.errors import Finding, Severity, counted
 from fab.formats.fold.writer import fold_bytes
+from fab.jobs.alike_panels import alike_panels
 from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
@@ -316,9 +317,11 @@ def _by_pieces(pattern: CreasePattern, pairs: IntArray) -> tuple[IntArray, IntAr
 
 def _goals(sheet: Sheet) -> _Part:
     check = check_goals(sheet.pattern, sheet.settings, sheet.growth)
+    goals = sheet.settings.goals
+    alike = alike_panels(sheet.pattern, goals.alike_mm, goals.different_panels).report()
     if check is None:
-        return _Part(report={"goals": None})
-    return _Part(findings=check.findings, report={"goals": check.report})
+        return _Part(report={"goals": None, "alike_panels": alike})
+    return _Part(findings=check.findings, report={"goals": check.report, "alike_panels": alike})
 
 
 def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:

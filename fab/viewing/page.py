@@ -47,7 +47,7 @@ __all__ = ["ResultPage", "page_bytes"]
 # Short ones first, which are side by side.
 _SHORT: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Accuracy", ("planarity_max", "developability_max_rad", "isometry_max_rel", "crossings")),
-    ("Size", ("bounding_box_mm", "counts")),
+    ("Size", ("bounding_box_mm", "counts", "alike_panels")),
     ("Growth", ("growth",)),
 )
 _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (

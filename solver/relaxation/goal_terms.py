@@ -1,19 +1,20 @@
-"""Soft terms of makers' goals: least sector angles, and room in faces for circles or panels."""
+"""Soft terms of makers' goals: least sector angles, room for circles or panels, alike panels."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from solver.goals import PanelRoom
 from solver.hinge_angles import hinge_angles, hinge_gradients
 from solver.incircles import incircles
+from solver.panel_shapes import PanelShapes, shape_sides
 from solver.quad_hinges import side_hinges
-from solver.relaxation.terms import Linear
+from solver.relaxation.terms import Linear, squares
 from solver.vectors import FloatArray, IntArray, cross, dot, norm
 
-__all__ = ["LeastRooms", "LeastSectors"]
+__all__ = ["AlikePanels", "LeastRooms", "LeastSectors"]
 
 # Angles by whose difference the slope of a setback is taken, radians.
 _APART = 1e-5
@@ -135,3 +136,56 @@ class LeastRooms:
             return out
 
         return at(angles), (at(angles + _APART) - at(angles - _APART)) / (2 * _APART)
+
+
+@dataclass(frozen=True)
+class AlikePanels:
+    """By how much sides and diagonals differ from those of the nearest template beyond what they
+    may, in steps; else 0.
+
+    Templates follow their panels from round to round, as the means of k-means clusters do, wherever
+    that lowers the sum of squares. S. P. Lloyd, "Least squares quantization in PCM", IEEE
+    Transactions on Information Theory 28 (1982).
+
+    Attributes
+    ----------
+    vertices : ends of the `shape_sides` of all faces in turn, shape (8 nf, 2).
+    shapes : templates of quads. within : by how much panels may differ from them.
+    step : unit of the residuals.
+
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> larger = PanelShapes(1.25 * np.array([[2.0] * 4 + [8**0.5] * 4]))
+    >>> term = AlikePanels.of(np.array([[0, 1, 2, 3]]), larger, within=0.3, step=1.0)
+    >>> float(term.linearised(square).values[0])  # the template goes to its panel
+    0.0
+    """
+
+    vertices: IntArray
+    shapes: PanelShapes
+    within: float
+    step: float
+
+    @classmethod
+    def of(
+        cls, faces_vertices: IntArray, shapes: PanelShapes, within: float, step: float
+    ) -> AlikePanels:
+        """That of all faces (nf, 4)."""
+        return cls(faces_vertices[:, shape_sides(4)].reshape(-1, 2), shapes, within, step)
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        side = coords[self.vertices[:, 1]] - coords[self.vertices[:, 0]]
+        size = norm(side)
+        lengths = size.reshape(-1, self.shapes.templates.shape[1])
+        shapes, beyond = self.shapes, self._beyond(lengths, self.shapes)
+        moved = shapes.centred(lengths)
+        nearer = self._beyond(lengths, moved)
+        if squares(nearer) < squares(beyond):
+            shapes, beyond = moved, nearer
+        values = beyond.ravel() / self.step
+        slope = side * ((values != 0) / (size * self.step))[:, None]
+        return Linear(values, np.stack([-slope, slope], axis=1), replace(self, shapes=shapes))
+
+    def _beyond(self, lengths: FloatArray, shapes: PanelShapes) -> FloatArray:
+        differ = lengths - shapes.laid(lengths)
+        return np.sign(differ) * np.maximum(np.abs(differ) - self.within, 0.0)

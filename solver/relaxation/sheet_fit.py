@@ -16,7 +16,7 @@ import numpy as np
 from solver.goals import Bounds, PanelRoom
 from solver.mesh import QuadMesh
 from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
-from solver.relaxation.goal_terms import LeastRooms, LeastSectors
+from solver.relaxation.goal_terms import AlikePanels, LeastRooms, LeastSectors
 from solver.relaxation.method import Relaxation, relax
 from solver.relaxation.minimisation import Soft
 from solver.relaxation.neighbours import opposite_pairs, sides
@@ -50,12 +50,13 @@ class Wishes:
         sheet, which then follows the surface only about.
     least_side : least length of sides, over that in the cell.
     least_span : least distance of vertices two apart, over that in the cell.
-    bounds : of sides, inradii, sectors, folds and room for panels.
+    bounds : of sides, inradii, sectors, folds, room for panels, and alike panels, whose templates
+        must be known.
     most_fold : largest fold angle, radians, or None: beyond 165 degrees pleats soon cross.
     offset, rim, side, least, fold, bound : weights of the soft terms; `least` is that of both least
-        distances, `bound` that of inradii, sectors and room for panels. With rim = 0 a sheet may
-        draw back from the rim of its surface, far so where the surface is domed, and is nearer to
-        its offsets for it.
+        distances, `bound` that of inradii, sectors, room for panels and alike panels. With rim = 0
+        a sheet may draw back from the rim of its surface, far so where the surface is domed, and is
+        nearer to its offsets for it.
     """
 
     rigid: bool = False
@@ -199,6 +200,10 @@ def sheet_terms(
     rooms = [PanelRoom(_no_setbacks, bounds.least_inradius)] if bounds.least_inradius else []
     for room in rooms if bounds.panels is None else [*rooms, bounds.panels]:
         soft.append(Soft(LeastRooms.of(faces, count, room, sheet.cell.step), wishes.bound))
+    alike = bounds.alike
+    if alike is not None and alike.shapes is not None:
+        panels = AlikePanels.of(faces, alike.shapes, alike.within, sheet.cell.step)
+        soft.append(Soft(panels, wishes.bound))
     return hard, soft
 
 

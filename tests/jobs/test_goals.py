@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from fab.cli.group import main
 from fab.errors import Finding, InvalidJob
+from fab.jobs.alike_panels import alike_panels
 from fab.jobs.goals import check_goals, design_goals
 from fab.jobs.grow import grown
 from fab.jobs.job import parse_job
@@ -19,6 +20,7 @@ from fab.panels.hinges import HingeSettings, heights_and_setbacks
 from fab.panels.panel_room import panel_room
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Clock, silent
+from solver.panel_shapes import PanelShapes, shape_lengths
 
 MIURA = {"kind": "miura", "columns": 4, "rows": 3, "sector_angle_deg": 60.0, "fold_deg": 45.0}
 SHELL = {
@@ -140,6 +142,66 @@ def test_room_for_panels_is_what_panels_are_set_back_by(kind):
     creases = np.flatnonzero(pattern.edges_joining)
     room = panel_room(panel, hinge).at(np.radians(pattern.edges_foldAngle[creases]))
     np.testing.assert_allclose(room, np.stack([back.at(z)[creases] for z in heights]))
+
+
+TUBE = {"kind": "surface_fit", "surface": "vase", "method": "relax", "columns": 12}
+PIPE = {
+    "kind": "surface_fit",
+    "surface": "cylinder",
+    "method": "relax",
+    "columns": 6,
+    "zigzag": 0.7,
+    "row_step": 1.0,
+    "turn_deg": 90.0,
+}
+
+
+def test_panels_are_drawn_to_few_templates_and_cut_by_them():
+    goals = {"different_panels": 6, "alike_mm": 1.0}
+    result = made(PIPE, goals, {"folded_width_mm": 300.0})
+    assert result.missed == ()
+    found = result.goals["different_panels"]
+    assert (found["bound"], found["reached"], found["within_mm"]) == (6, 6, 1.0)
+    template = np.array(found["faces_template"])
+    ((faces, corners),) = result.pattern.faces_by_size()
+    lengths = shape_lengths(result.pattern.vertices_coords[corners])
+    for number in range(6):
+        own = lengths[template[faces] == number]
+        laid = PanelShapes(own[:1]).laid(own)  # no two differ by more than twice as much
+        assert np.abs(own - laid).max() <= 2.0
+    free = made(PIPE, None, {"folded_width_mm": 300.0}).pattern
+    assert alike_panels(free, 1.0).different > 12
+
+
+def test_a_tube_has_as_many_different_panels_as_faces_from_rim_to_rim():
+    job = {"name": "t", "design": TUBE, "sheet": {"folded_height_mm": 300.0}}
+    report = make(parse_job(job), ["fold"]).report
+    rows = report["counts"]["faces"] // 12
+    assert report["alike_panels"] == {
+        "different": 2 * rows,  # those on either side of a pleat
+        "within_mm": 0.2,
+        "largest_group": 6,
+    }
+
+
+def test_too_few_templates_are_missed_with_the_number_and_the_tolerance_that_do():
+    ribbon = {"kind": "crumpled", "columns": 4, "strips": 3}
+    goals = {"different_panels": 2, "alike_mm": 0.5}
+    result = made(ribbon, goals)
+    (finding,) = result.missed
+    reached = result.goals["different_panels"]["reached"]
+    assert reached > 2
+    assert f"different_panels = {reached} is within reach" in finding.text
+    (needed,) = re.findall(r"alike_mm = ([0-9.]+)\. Relaxed", finding.text)
+    assert made(ribbon, goals | {"alike_mm": float(needed)}).missed == ()
+    assert made(ribbon, goals | {"different_panels": reached}).missed == ()
+
+
+def test_panels_with_other_numbers_of_corners_are_others():
+    cornered = {"kind": "cornered_miura"}
+    result = made(cornered, {"different_panels": 1, "alike_mm": 1e5})
+    sizes = len(list(result.pattern.faces_by_size()))
+    assert result.goals["different_panels"]["reached"] == sizes
 
 
 def test_goals_are_keys_of_a_job_and_not_of_its_design():

@@ -10,6 +10,7 @@ from relaxed_surfaces import bump_sheet, vase_tube
 from solver import InvalidValue, Miura, QuadMesh
 from solver.goals import Bounds, Goals, PanelRoom, face_measures
 from solver.incircles import incircles
+from solver.panel_shapes import PanelCount
 from solver.quad_hinges import side_hinges
 from solver.relaxation import relaxed_sheet
 from solver.relaxation.goal_terms import LeastRooms, LeastSectors
@@ -164,7 +165,7 @@ def test_misses_are_shares_of_bounds():
     assert not met.misses(found).any()
     assert met.fine(found).all()
     over = Bounds(2 * side, 4 * radius, np.pi / 2, np.pi / 4, room(2 * space))
-    np.testing.assert_allclose(over.misses(found), [0.5, 0.75, 1 / 3, 1 / 3, 0.5])
+    np.testing.assert_allclose(over.misses(found), [0.5, 0.75, 1 / 3, 1 / 3, 0.5, 0])
     assert not over.fine(found).any()
     beyond = over.beyond(found, over)
     assert beyond.least_side > 3 * side
@@ -179,6 +180,25 @@ def test_misses_are_shares_of_bounds():
     assert halfway.most_fold == pytest.approx(3 * np.pi / 8)
     assert met.beyond(found, beyond, 0.5).least_side == side
     assert not Bounds().misses(found).any()
+
+
+def test_panels_that_differ_from_their_templates_are_missed_and_aimed_at():
+    coords = np.array([[0.0, 0, 0], [2, 0, 0], [5, 0, 0], [0, 2, 0], [2, 2, 0], [5, 2, 0]])
+    faces = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    wanted = Bounds(alike=PanelCount(1, 0.125))
+    found = wanted.measures(coords, faces)
+    np.testing.assert_allclose(found.unlike, 0.5)  # sides of 2 and 3, and a template of 2.5
+    np.testing.assert_allclose(wanted.misses(found), [0, 0, 0, 0, 0, 0.75])
+    assert not wanted.fine(found).any()
+    assert wanted.beyond(found, Bounds()).alike.within == 0.0625  # no nearer than half of it
+    assert wanted.beyond(found, Bounds(), 0.5).alike.within == 0.3125
+    enough = Bounds(alike=PanelCount(1, 0.5))
+    assert not enough.misses(enough.measures(coords, faces)).any()
+    square = wanted.with_templates(coords[:, [0, 1, 2]], faces[:1])
+    np.testing.assert_allclose(square.measures(coords, faces).unlike[0], 0.0)
+    assert square.faces_fine(coords, faces).tolist() == [True, False]
+    assert Goals(wanted).of(miura(), coords, larger=2.0).alike.within == 0.25
+    assert Goals(wanted).angles() == Bounds()
 
 
 def test_lengths_of_goals_are_in_the_unit_of_the_sheet():
