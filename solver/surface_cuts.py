@@ -15,7 +15,8 @@ __all__ = ["halves", "opened"]
 _ON_PLANE = 1e-3
 # Parts below this share of the area are crumbs of the cut.
 _CRUMB = 1e-3
-_DIRECTIONS = 3
+# Moments that differ by less than this share of the largest are equal.
+_EQUAL = 1e-6
 
 
 def halves(mesh: SurfaceMesh) -> list[SurfaceMesh]:
@@ -54,11 +55,29 @@ def _principal_axes(mesh: SurfaceMesh) -> FloatArray:
     weight = norm(mesh.doubled_areas)
     middle = mesh.vertices_coords[mesh.faces_vertices].mean(axis=1)
     arm = middle - (weight[:, None] * middle).sum(axis=0) / weight.sum()
-    _, axes = np.linalg.eigh((weight[:, None, None] * arm[:, :, None] * arm[:, None]).sum(axis=0))
-    axes = axes.T[::-1]
+    moments, axes = np.linalg.eigh(
+        (weight[:, None, None] * arm[:, :, None] * arm[:, None]).sum(axis=0)
+    )
+    moments, axes = moments[::-1], axes.T[::-1].copy()
+    # of equal moments rounding would choose: their axes are those nearest to the coordinate axes
+    breaks = np.flatnonzero(moments[:-1] - moments[1:] > _EQUAL * moments[0]) + 1
+    for group in np.split(np.arange(3), breaks):
+        axes[group] = _nearest_axes(axes[group])
     # the sign that makes the largest entry positive, so that the same surface is cut the same way
     largest = axes[np.arange(3), np.abs(axes).argmax(axis=1)]
     return np.asarray(axes * np.where(largest < 0, -1.0, 1.0)[:, None])
+
+
+def _nearest_axes(span: FloatArray) -> FloatArray:
+    """An orthonormal basis of a span, shape (k, 3), of projections of coordinate axes."""
+    left = span.T @ span
+    basis = []
+    for _ in span:
+        length = np.sqrt(np.maximum(np.diag(left), 0.0))
+        longest = int(np.flatnonzero(length >= (1 - _EQUAL) * length.max())[0])
+        basis.append(left[longest] / length[longest])
+        left = left - np.outer(basis[-1], basis[-1])
+    return np.array(basis)
 
 
 def _sliced(mesh: SurfaceMesh, axis: FloatArray) -> tuple[FloatArray, IntArray, IntArray, IntArray]:

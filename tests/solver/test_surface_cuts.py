@@ -48,6 +48,15 @@ def test_halves_of_a_ball_are_wound_outwards_and_end_in_a_plane():
         assert np.linalg.svd(rim - rim.mean(axis=0))[1][-1] < 1e-12
 
 
+def test_the_cut_of_a_symmetric_surface_is_not_left_to_rounding():
+    coords, faces = ball()
+    turned = np.roll(coords, 1, axis=1)  # by 120 degrees, onto itself
+    for arrays in ((coords, faces), (turned, faces), (coords * 3 + 1e-9, faces)):
+        part = halves(mesh_of(arrays))[0]
+        rim = part.vertices_coords[part.boundary_loops[0]]
+        assert np.ptp(rim, axis=0)[2] < 1e-12
+
+
 def test_a_long_strip_is_halved_across():
     mesh = mesh_of(grid(lambda u, v: (5 * u, v, 0 * u), 20, 4))
     for part in halves(mesh):
