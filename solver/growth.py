@@ -210,7 +210,7 @@ def lengths_along(wanted: Lengths, rays: Rays) -> FloatArray:
 
 def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] | None:
     """The first vertex whose length cannot be used, why, and the bound; None where all can."""
-    least = _least_length(rays)
+    least = least_length(rays)
     if lengths.min() > least and lengths.max() < LARGEST and (lengths < rays.length_bounds).all():
         return None
     unusable = np.flatnonzero(~((lengths > least) & (lengths < LARGEST)))
@@ -224,11 +224,11 @@ def length_trouble(lengths: FloatArray, rays: Rays) -> tuple[int, Status, str] |
 
 def usable_lengths(lengths: FloatArray, rays: Rays) -> BoolArray:
     """Which vertices have a length that can be used, shape (m + 1,)."""
-    size = (lengths > _least_length(rays)) & (lengths < LARGEST)
+    size = (lengths > least_length(rays)) & (lengths < LARGEST)
     usable: BoolArray = size & (lengths < rays.length_bounds)
     return usable
 
 
-def _least_length(rays: Rays) -> float:
+def least_length(rays: Rays) -> float:
     """Shorter creases would drown in the rounding of the coordinates."""
     return max(SMALLEST, _RESOLVED * float(np.abs(rays.vertices_coords).max()))

@@ -32,7 +32,7 @@ from solver.mesh import QuadMesh
 from solver.targets.base import Target
 from solver.targets.surface_mesh import SurfaceMesh
 
-__all__ = ["SHIPPED_DESIGNS", "DesignSettings", "design_key", "design_settings"]
+__all__ = ["SEEDS", "SHIPPED_DESIGNS", "DesignSettings", "design_key", "design_settings"]
 
 
 class ParameterSettings(Settings):
@@ -206,7 +206,7 @@ def _annotation(field: dataclasses.Field[Any], hint: Any) -> Any:
     if _is_target(field):
         return str
     if _is_design(field):
-        return Annotated[Union[tuple(_SEEDS.values())], Field(discriminator="kind")]  # noqa: UP007
+        return Annotated[Union[tuple(SEEDS.values())], Field(discriminator="kind")]  # noqa: UP007
     parts = get_args(hint)
     if get_origin(hint) is tuple and dataclasses.is_dataclass(parts[0]):
         item: Any = parts[0]
@@ -259,11 +259,11 @@ def _each(convert: Callable[[float], float], value: Any) -> Any:
 
 
 # Designs that sheets of others may begin with.
-_SEEDS = {
+SEEDS = {
     kind: design_settings(kind, cls)
     for kind, cls in DESIGNS.items()
     if not any(map(_is_design, dataclasses.fields(cls)))
 }
 SHIPPED_DESIGNS = {
-    kind: _SEEDS.get(kind) or design_settings(kind, cls) for kind, cls in DESIGNS.items()
+    kind: SEEDS.get(kind) or design_settings(kind, cls) for kind, cls in DESIGNS.items()
 }

@@ -27,6 +27,7 @@ from fab.studio.messages import packed_answer
 from fab.studio.places import inside
 from fab.studio.stock import stock
 from fab.studio.worker import Worker, WorkerLost, WorkerStopped
+from solver import Side
 from solver.errors import OrigamiError
 
 if TYPE_CHECKING:
@@ -187,6 +188,26 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
             return await asked("read_fold", {"path": path}, message)
         return await asked("read", {"path": path, "topology": _word(message, "topology")}, message)
 
+    async def hand(message: Mapping[str, Any]) -> bytes:
+        arguments = {
+            "text": _text_of(message),
+            "changes": _changes(message),
+            "strip": _count(message, "strip"),
+            "landscape": _word(message, "landscape"),
+        }
+        return await asked("hand_state", {**arguments, **common}, message)
+
+    async def next_strip(message: Mapping[str, Any]) -> bytes:
+        side = _word(message, "side")
+        if side not in list(Side):
+            raise _Malformed(f"side must be one of {', '.join(Side)}.")
+        arguments = {"text": _text_of(message), "changes": _changes(message), "side": side}
+        return await asked("next_strip", {**arguments, **common}, message)
+
+    async def by_hand(message: Mapping[str, Any]) -> bytes:
+        arguments = {"text": _text_of(message), "changes": _changes(message)}
+        return await asked("by_hand", {**arguments, **common}, message)
+
     async def save(message: Mapping[str, Any]) -> bytes:
         text, name, before = _text_of(message), _word(message, "file"), message.get("before")
         await asked(
@@ -259,6 +280,7 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
 
     posts = {"open": opened, "grow": grow, "fold": fold, "read": read, "save": save}
     posts |= {"make": make, "keep": keep, "progress": progress, "stop": stop, "stock": stocked}
+    posts |= {"hand": hand, "next_strip": next_strip, "by_hand": by_hand}
     base = "/{token}"
     return Starlette(
         routes=[
@@ -390,7 +412,7 @@ def _text_of(message: Mapping[str, Any]) -> str:
 
 
 def _changes(message: Mapping[str, Any]) -> list[tuple[list[str], Any]]:
-    """Changes of single values: tables and key, and a number, a text, true, false or null."""
+    """Changes of values: tables and key, and a number, a text, true, false, null, or tables."""
     given = message.get("changes")
     if not isinstance(given, list) or len(given) > _MOST_CHANGES:
         raise _Malformed(f"changes must be a list of up to {_MOST_CHANGES}.")
@@ -401,10 +423,32 @@ def _changes(message: Mapping[str, Any]) -> list[tuple[list[str], Any]]:
         path, value = each
         if not path or len(path) > 8 or not all(isinstance(part, str) for part in path):
             raise _Malformed("A path must have 1 to 8 keys.")
-        if not isinstance(value, bool | int | float | str | None):
-            raise _Malformed("A value must be a number, a text, true, false or null.")
+        if not (_is_plain(value) or (isinstance(value, list) and all(map(_is_row, value)))):
+            raise _Malformed(
+                "A value must be a number, a text, true, false, null, or a list of tables of them."
+            )
         changes.append((path, value))
     return changes
+
+
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, bool | int | float | str | None)
+
+
+def _is_row(value: Any) -> bool:
+    """Whether a value is a table of plain values and lists of these, none of them null."""
+    return isinstance(value, dict) and all(
+        (_is_plain(each) and each is not None)
+        or (isinstance(each, list) and all(isinstance(part, int | float | str) for part in each))
+        for each in value.values()
+    )
+
+
+def _count(message: Mapping[str, Any], key: str) -> int | None:
+    value = message.get(key)
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
+        raise _Malformed(f"{key} must be a whole number, or null.")
+    return value
 
 
 def _beginning(studio: Studio) -> dict[str, Any]:

@@ -74,15 +74,23 @@ def form_fields(job: Job) -> tuple[FormField, ...]:
         replace(field, choices=names_of(_STOCK[field.path], job.folder))
         if field.path in _STOCK
         else field
-        for field in (*_of_table(type(job.design), ("design",)), *_of_table(type(job), ()))
+        for field in (*_of_design(job.design, ("design",)), *_of_table(type(job), ()))
     )
+
+
+def _of_design(design: DesignSettings, path: tuple[str, ...]) -> Iterator[FormField]:
+    """Those of a design, and of designs within it, such as its seed."""
+    yield from _of_table(type(design), path)
+    for key, value in design:
+        if isinstance(value, DesignSettings):
+            yield from _of_design(value, (*path, key))
 
 
 def _of_table(table: type[Settings], above: tuple[str, ...]) -> Iterator[FormField]:
     texts = _documented(table)
     for key, info in table.model_fields.items():
         path = (*above, key)
-        if path == ("design",) or (above == ("design",) and key == "kind"):
+        if path == ("design",) or (above[:1] == ("design",) and key == "kind"):
             continue
         choices = alternatives(info.annotation)
         inner = choices[0] if len(choices) == 1 else None

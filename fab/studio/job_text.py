@@ -10,13 +10,14 @@ from typing import Any
 from fab.errors import InvalidJob
 from fab.files import shortened
 from fab.jobs.job import Job, parse_job
+from fab.studio.table_lists import put_tables
 
 __all__ = ["MOST_BYTES", "Change", "changed_text", "job_of_text"]
 
 # Of a job, as of all files that users write.
 MOST_BYTES = 1_000_000
 
-# Tables and key, and the value, or None to remove the key.
+# Tables and key, and the value, a list of tables, or None to remove the key.
 Change = tuple[Sequence[str], Any]
 
 
@@ -66,6 +67,9 @@ def _put(table: Any, key: str, value: Any) -> None:
     """Give a value to a key, or remove it; numbers stay with or without a point as they were."""
     if value is None:
         table.pop(key, None)
+        return
+    if isinstance(value, list):
+        put_tables(table, key, value)
         return
     before = table.get(key)
     if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):

@@ -20,6 +20,7 @@ from fab.pattern.crease_pattern import CreasePattern
 from fab.studio.export_tasks import export
 from fab.studio.findings import listed
 from fab.studio.form_fields import form_fields
+from fab.studio.hand_growth import by_hand, hand_state, next_strip
 from fab.studio.job_text import changed_text, job_of_text
 from fab.studio.messages import packed_answer
 from fab.viewing.face_triangles import face_corner_triangles
@@ -131,6 +132,9 @@ TASKS: Mapping[str, Callable[..., Any]] = {
     "read_fold": read_fold,
     "picture": picture,
     "export": export,
+    "hand_state": hand_state,
+    "next_strip": next_strip,
+    "by_hand": by_hand,
 }
 
 # The sheet that grew last, with what it grew from: its fold is asked for next.

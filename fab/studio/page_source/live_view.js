@@ -35,6 +35,7 @@ export class LivePattern {
   constructor(figure, colours) {
     this.svg = figure.querySelector("svg");
     this.drawing = new Drawing(figure);
+    this.margin = 0.02; // around the sheet, as a share of its size
     for (const group of this.svg.querySelectorAll("g[data-layer]")) {
       group.setAttribute("stroke", colours[group.dataset.layer]);
     }
@@ -56,7 +57,7 @@ export class LivePattern {
     for (const group of this.svg.querySelectorAll("g[data-layer]")) {
       group.firstElementChild.setAttribute("d", (paths[group.dataset.layer] ?? []).join(""));
     }
-    const edge = 0.02 * Math.max(width, height, 1e-9);
+    const edge = this.margin * Math.max(width, height, 1e-9);
     const box = [-edge, -edge, width + 2 * edge, height + 2 * edge];
     const zoomed = this.drawing.box.join() !== this.drawing.whole.join();
     this.drawing.whole = box;

@@ -2,11 +2,13 @@
 
 import { canDraw } from "../../viewing/page_source/form_view.js";
 import { Exports } from "./exports.js";
+import { HandGrowth } from "./hand_growth.js";
 import { fillForm, markFaults } from "./job_form.js";
 import { LiveForm, LivePattern, toForm } from "./live_view.js";
 import { remember, remembered } from "./memory.js";
 import { Newest, ask, leave, post } from "./messages.js";
 
+const STRIPS = JSON.stringify(["design", "strips"]); // as changes are kept by
 const FOLD_AFTER = 250; // milliseconds without a change
 const find = (selector) => document.querySelector(selector);
 
@@ -14,6 +16,16 @@ const start = await (await fetch("start")).json();
 const pattern = new LivePattern(find("#pattern"), start.colours.edges);
 const queue = new Newest(show);
 const files = new Exports(() => (job ? { text: job.text } : { file: sheet.source.file }), notice);
+const hand = new HandGrowth({
+  pattern,
+  notice,
+  asked: () => job && { text: job.text, changes: [...job.unsettled.values()] },
+  put: (strips) => {
+    change(["design", "strips"], strips);
+    grow();
+  },
+  reopen: (text) => openJob({ text }, find("#save-name").value, { saved: job.saved }),
+});
 let view; // of the form, made with the first sheet
 let sheet; // the last good one
 let job; // its text, and changes that were not accepted yet
@@ -141,6 +153,7 @@ async function openJob(message, file, { unsettled = [], saved } = {}) {
     grow();
   });
   for (const [path, value] of job.unsettled.values()) put(path, value);
+  hand.open(answer.values.design, job.unsettled.get(STRIPS)?.[1]);
   return grow();
 }
 
@@ -194,6 +207,7 @@ function openPattern(file) {
   find("#keys").hidden = find("#save-job").hidden = true;
   files.begin({ isJob: false });
   remember({ file });
+  hand.close();
   busy();
   queue.ask(async () => ({ ...(await ask("read", { file, topology: "" })), file }));
 }
@@ -213,7 +227,9 @@ function show(answer, later) {
   if (answer.job && answer.job !== job) return; // another job was opened meanwhile
   if (!later) find("#stop").hidden = true;
   if (!answer.topology) {
-    if (!later) keepLast(answer);
+    if (later) return;
+    keepLast(answer);
+    hand.refresh();
     return;
   }
   notice("");
@@ -234,9 +250,12 @@ function show(answer, later) {
   showDetail(answer.detail);
   drawForm(same);
   pattern.show(sheet);
+  hand.draw();
   tell(answer);
   allowFiles(true);
-  if (!later) askFold();
+  if (later) return;
+  hand.refresh();
+  askFold();
 }
 
 /** Say why there is no new sheet; the last good one stays. */

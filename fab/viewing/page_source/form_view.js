@@ -28,13 +28,16 @@ const TURN_RAD = Math.PI / 24;
 const ZOOM = 1.2;
 const FRAME = 1.06; // a margin around what is shown
 
+let drawing; // whether it does: a browser has few contexts, so that it is asked once
+
 /** Whether the browser draws in space at all. */
 export function canDraw() {
   try {
-    return document.createElement("canvas").getContext("webgl2") !== null;
+    drawing ??= document.createElement("canvas").getContext("webgl2") !== null;
   } catch {
-    return false;
+    drawing = false;
   }
+  return drawing;
 }
 
 /** One thing that folds: its states, and what is drawn of them. */
