@@ -16,7 +16,6 @@ from solver.flap_costs import DesignAngleCost
 from solver.front import Front
 from solver.growth import CLOSED, Strip, grow, length_trouble
 from solver.mesh import QuadMesh, Side
-from solver.rays import Rays
 from solver.transfer import Closing
 from solver.vectors import FloatArray, norm
 
@@ -100,9 +99,12 @@ def grown_strip(mesh: QuadMesh, chosen: ChosenStrip, name: str = "strip") -> Qua
 
     def choose(front: Front, _strip: int) -> Strip:
         require_number(f"flap angle of {name}", chosen.flap_angle)
-        _require_free(front, float(chosen.flap_angle), name)
+        closing = closing_flap_angles(front)
+        if closing is not None:
+            _require_closing(front, float(chosen.flap_angle), closing, name)
+        else:
+            _require_free(front, float(chosen.flap_angle), name)
         rays = front.rays(chosen.flap_angle)
-        _require_closed(front, rays, chosen.flap_angle, name)
         try:
             trouble = length_trouble(rays.each(given), rays)
         except InvalidValue as error:
@@ -133,6 +135,20 @@ def free_arcs_of(front: Front) -> FloatArray:
     wide = np.remainder(free[:, 1] - free[:, 0], 2 * np.pi) > _NARROW
     out: FloatArray = free[wide | (np.ptp(free, axis=1) == 2 * np.pi)]
     return out
+
+
+def closing_flap_angles(front: Front) -> FloatArray | None:
+    """Flap angles at front vertex 1 that close a loop without crossings, the continuation first.
+
+    None for open fronts, and for loops that close at every flap angle.
+    """
+    if not front.closed:
+        return None
+    closings = front.closings()
+    if closings.case is Closing.FAMILY:
+        return None
+    closing: FloatArray = closings.flap_angles[contain(free_arcs_of(front), closings.flap_angles)]
+    return closing
 
 
 def nearest_arc(free: FloatArray, angle: float) -> FloatArray:
@@ -168,15 +184,21 @@ def _require_free(front: Front, flap_angle: float, name: str) -> None:
     )
 
 
-def _require_closed(front: Front, rays: Rays, flap_angle: float, name: str) -> None:
-    """Refuse a flap angle with which a loop misses itself."""
-    if rays.closing_error <= CLOSED:
+def _require_closing(front: Front, flap_angle: float, closing: FloatArray, name: str) -> None:
+    """Refuse a flap angle of a loop that is none of those that close it."""
+    if not len(closing):
+        raise InvalidState(
+            name,
+            f"{name}: where the ring closes new faces would cross old ones",
+            "Change the strips before it, or grow on another side.",
+        )
+    miss = np.abs(np.remainder(closing - flap_angle + np.pi, 2 * np.pi) - np.pi).min()
+    if miss <= CLOSED and front.rays(flap_angle).closing_error <= CLOSED:
         return
-    closing = " or ".join(_angle(angle) for angle in front.closings().flap_angles)
     raise InvalidValue(
         f"flap angle of {name}",
         _angle(flap_angle),
-        f"be {closing or 'one at which the loop closes, and there is none'}",
+        f"be {' or '.join(map(_angle, closing.tolist()))}",
         "Give all its digits: at others the ring does not close.",
     )
 
@@ -226,12 +248,10 @@ def _candidates(front: Front) -> FloatArray:
     free = free_arcs_of(front)
     if not len(free):
         return np.empty(0)
-    if front.closed:
-        closings = front.closings()
-        if closings.case is not Closing.FAMILY:  # the continuation, which has no folds, is last
-            found = closings.flap_angles[::-1]
-            closing: FloatArray = found[contain(free, found)]
-            return closing
+    closing = closing_flap_angles(front)
+    if closing is not None:
+        last_first: FloatArray = closing[::-1]  # the continuation, which has no folds, comes first
+        return last_first
     cost = DesignAngleCost.of(front)
     start, end = free.T
     span = np.remainder(end - start, 2 * np.pi)

@@ -18,12 +18,18 @@ from fab.jobs.goals import design_goals, design_unit
 from fab.jobs.job import Job
 from fab.studio.job_text import Change, changed_text, job_of_text
 from fab.studio.messages import packed_answer
-from solver import Closing, Front, Growth, InvalidValue, QuadMesh, Side, StripByStrip
+from solver import Front, Growth, InvalidValue, QuadMesh, Side, StripByStrip
 from solver.errors import OrigamiError
 from solver.flap_costs import DesignAngleCost
 from solver.flap_landscape import flap_angle_landscape
 from solver.growth import least_length
-from solver.strip_choices import ChosenStrip, free_arcs_of, proposed_strip, strip_front
+from solver.strip_choices import (
+    ChosenStrip,
+    closing_flap_angles,
+    free_arcs_of,
+    proposed_strip,
+    strip_front,
+)
 from solver.strip_family import special_at_first
 from solver.transfer import transfer_flap_angles
 from solver.vectors import FloatArray
@@ -195,12 +201,11 @@ def _choices(mesh: QuadMesh, chosen: ChosenStrip) -> _Choices:
     lengths = np.asarray(chosen.lengths, np.float64)
     usable = lengths.shape in ((), (count,))
     free = free_arcs_of(front)
-    closings = front.closings() if front.closed else None
-    alone = closings is not None and closings.case is not Closing.FAMILY
+    closing = closing_flap_angles(front)
     far = _FAR * float(np.ptp(front.vertices_coords, axis=0).max())
     bounds = [None if bound > far else bound for bound in rays.length_bounds.tolist()]
     best = None
-    if len(free) and not alone:
+    if len(free) and closing is None:
         best = float(np.degrees(DesignAngleCost.of(front).best_of(free)) % 360.0)
     digest = hashlib.sha256(front.vertices_coords.tobytes())
     digest.update(front.k.tobytes() + (lengths.tobytes() if usable else b""))
@@ -209,7 +214,7 @@ def _choices(mesh: QuadMesh, chosen: ChosenStrip) -> _Choices:
     head = {
         "side": chosen.side.value,
         "free": np.degrees(free).tolist(),
-        "closings": np.degrees(closings.flap_angles).tolist() if closings and alone else None,
+        "closings": None if closing is None else np.degrees(closing).tolist(),
         "special": _special(front),
         "best": best,
         "oldFace": _old_face(front),

@@ -27,11 +27,15 @@ rows = 2
 def hand(page):
     """A sheet with one strip on its seed, as the text of a job."""
     page.locator("#source summary").click()
-    page.locator("#text").fill(JOB)
-    page.locator("#apply").click()
-    wait_until(page, lambda: verdict(page) == "grown: 12 faces.")
+    applied(page, JOB, 12)
     settled(page)
     return page
+
+
+def applied(page, text, faces):
+    page.locator("#text").fill(text)
+    page.locator("#apply").click()
+    wait_until(page, lambda: verdict(page) == f"grown: {faces} faces.")
 
 
 def strips(page):
@@ -54,6 +58,7 @@ def angle(page):
 
 def place(page, degrees):
     """Where an angle is on the circle, in pixels of the page."""
+    page.locator("#hand .circle").scroll_into_view_if_needed()
     box = page.locator("#hand .circle circle.forbidden").bounding_box()
     radius, turn = box["width"] / 2, math.radians(degrees)
     middle = box["x"] + radius, box["y"] + box["height"] / 2
@@ -118,6 +123,41 @@ def test_the_handle_stays_out_of_arcs_where_faces_cross(hand):
     assert handle(hand).get_attribute("aria-valuetext") == "30 degrees, forbidden"
     hand.locator("#hand .angle").fill("60")
     wait_until(hand, lambda: verdict(hand) == "grown: 12 faces.")
+
+
+def test_touch_and_the_landscape_turn_it_too(hand):
+    session = hand.context.new_cdp_session(hand)
+    for kind, degrees in (("touchStart", 120), ("touchMove", 130), ("touchMove", 145)):
+        x, y = place(hand, degrees)
+        points = [{"x": x, "y": y}]
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    assert angle(hand) == pytest.approx(145.0, abs=0.11)
+    chart = hand.locator("#hand .landscape rect.forbidden")
+    chart.scroll_into_view_if_needed()
+    box = chart.bounding_box()
+    hand.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 10)
+    assert angle(hand) == pytest.approx(90.0, abs=0.6)
+    wait_until(hand, lambda: strips(hand)[0]["flap_angle_deg"] == angle(hand))
+
+
+def test_rings_take_the_angles_at_which_they_close(hand):
+    seed = (
+        JOB.partition("[design.seed]")[0]
+        + '[design.seed]\nkind = "closed_curved_fold"\nstrips = 2\n'
+    )
+    hand.locator("#text").fill(seed.replace("lengths = 0.9", "lengths = 0.001"))
+    hand.locator("#apply").click()  # 120 degrees do not close it
+    wait_until(hand, lambda: "the ring does not close" in hand.locator("#notice").text_content())
+    wait_until(hand, lambda: hand.locator("#hand .closing").count() == 2)
+    handle(hand).focus()
+    seen = set()
+    for _ in range(3):
+        hand.keyboard.press("ArrowUp")
+        seen.add(angle(hand))
+        wait_until(hand, lambda: verdict(hand).startswith("grown"))
+    assert len(seen) == 2
+    wait_until(hand, hand.locator('#hand .sides [data-side="left"]').is_disabled)
 
 
 def test_a_strip_is_grown_on_the_side_that_is_clicked_and_undone(hand):

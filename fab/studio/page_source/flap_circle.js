@@ -31,14 +31,17 @@ export function nearestFree(arcs, angle) {
   return arcs.flatMap(reach).reduce((best, each) => (apart(each, angle) < apart(best, angle) ? each : best));
 }
 
+/** The first of some angles that comes after this one, upwards or, for a step below 0, downwards. */
+function nextOf(angles, angle, step) {
+  const onward = (each) => turn(Math.sign(step) * (each - angle)) || 360;
+  return angles.reduce((best, each) => (onward(each) < onward(best) ? each : best));
+}
+
 /** The next free angle some degrees on, or beyond the arc where that is forbidden. */
 export function stepFree(arcs, angle, step) {
   const next = turn(angle + step);
   if (isFree(arcs, next) || !arcs.length) return next;
-  const [first] = step > 0 ? [0] : [1];
-  const onward = (end) => (step > 0 ? turn(end - angle) : turn(angle - end)) || 360;
-  const ends = arcs.map((arc) => reach(arc)[first]);
-  return ends.reduce((best, each) => (onward(each) < onward(best) ? each : best));
+  return nextOf(arcs.map((arc) => reach(arc)[step > 0 ? 0 : 1]), angle, step);
 }
 
 function element(tag, attributes = {}, parent = undefined) {
@@ -186,7 +189,7 @@ export class FlapCircle {
     if (event.key in KEYS) {
       const step = KEYS[event.key] * (event.shiftKey ? STEP : 1);
       wanted = closings?.length
-        ? closings.reduce((best, each) => (turn(step * (each - this.angle)) < turn(step * (best - this.angle)) ? each : best))
+        ? nextOf(closings, this.angle, step)
         : stepFree(free, this.angle, step);
     } else if (event.key === "Home" || event.key === "End") {
       const arc = free.find((each) => isFree([each], this.angle));

@@ -87,6 +87,9 @@ export class HandGrowth {
     if (!this.asked() || answer.of !== this.strips) return;
     if (answer.refused || answer.lost) return;
     panel.hidden = !this.grown && !answer.seedable;
+    const keys = document.querySelector("#keys"); // first where it is in use, after all keys elsewhere
+    if (this.grown && panel.nextElementSibling !== keys) keys.before(panel);
+    if (!this.grown && panel.previousElementSibling !== keys) keys.after(panel);
     find(".begin").hidden = this.grown;
     find(".growing").hidden = !this.grown;
     if (answer.sides) this.sides = answer.sides;
@@ -174,6 +177,7 @@ export class HandGrowth {
     if (!this.state) return this.circle.turnTo(strip.flap_angle_deg);
     this.circle.angle = turn(strip.flap_angle_deg);
     this.circle.show(this.state, `Flap angle of strip ${this.number + 1}`);
+    find(".k-forbidden").textContent = this.state.closings ? "the ring stays open" : "faces cross";
     this.#fillSpecial(strip);
     this.#fillLengths(strip);
     find(".note").textContent = this.#note(strip);
@@ -185,7 +189,7 @@ export class HandGrowth {
     if (!closings && !isFree(free, turn(angle))) return "New faces would cross old ones there.";
     const at = Math.round((turn(angle) * cost.length) / 360) % cost.length;
     const broken = constraint[at];
-    const over = broken ? ` ${broken} of its vertices and creases break a constraint thereabouts.` : "";
+    const over = broken ? ` Near it ${broken === 1 ? "1 constraint is" : `${broken} constraints are`} broken.` : "";
     return `Cost S30: ${cost[at].toPrecision(3)}.${over}`;
   }
 
