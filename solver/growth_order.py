@@ -97,8 +97,9 @@ def faces_strip(mesh: QuadMesh) -> IntArray:
     """The step of growth that made each face, counted from 0 without gaps, shape (nf,).
 
     All faces whose last vertex is of the same row of the grid are one step, such as those of a
-    strip. In a sheet of a single strip, or one that grew at other sides than its top and bottom or
-    around a corner, each face is a step. Faces in the order of `QuadMesh.polygons`.
+    strip; where strips grew on the left or right, those of a column too. In a sheet of a single
+    strip, or one that grew around a corner, each face is a step. Faces in the order of
+    `QuadMesh.polygons`.
 
     >>> from solver.designs import Miura
     >>> faces_strip(Miura(columns=2, rows=3).grow().mesh).tolist()
@@ -112,6 +113,12 @@ def faces_strip(mesh: QuadMesh) -> IntArray:
     for number, line in enumerate(rows):
         row_of[line] = number
     in_one_go = all(np.ptp(line) == len(line) - 1 for line in rows if len(line))
+    on_sides = _vertices_strip(mesh) if len(grid) > 2 and not in_one_go else None
+    if on_sides is not None:
+        by_strip: IntArray = np.unique(
+            np.maximum.reduceat(on_sides[corners], offsets[:-1]), return_inverse=True
+        )[1]
+        return by_strip
     if len(grid) <= 2 or not in_one_go or row_of.min() < 0:
         by_last: IntArray = np.unique(last, return_inverse=True)[1]
         return by_last
@@ -119,3 +126,27 @@ def faces_strip(mesh: QuadMesh) -> IntArray:
     first = np.array([line.min(initial=len(row_of)) for line in rows])
     out: IntArray = np.unique(first[row_of[last]], return_inverse=True)[1]
     return out
+
+
+def _vertices_strip(mesh: QuadMesh) -> IntArray | None:
+    """The strip, counted from 0, that each vertex came with, in a patch grown at any of its sides.
+
+    The last strip is the line of the outline that has the highest numbers, all of them; without it
+    the patch is as it was before. None for a patch that did not grow so.
+    """
+    grid, steps = mesh.grid, np.zeros(len(mesh.vertices_coords), np.int64)
+    if mesh.closed or not np.array_equal(np.sort(grid, axis=None), np.arange(len(steps))):
+        return None
+    lines: list[IntArray] = []
+    while len(grid) > 1 and grid.shape[1] > 1:
+        for turns in range(4):
+            turned = np.rot90(grid, turns)
+            if turned[-1].min() == turned.size - turned.shape[1]:
+                lines.append(turned[-1])
+                grid = np.rot90(turned[:-1], -turns)
+                break
+        else:
+            return None
+    for number, line in enumerate(reversed(lines), 1):
+        steps[line] = number
+    return steps

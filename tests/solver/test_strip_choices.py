@@ -26,6 +26,7 @@ from solver import (
     planarity,
 )
 from solver.arcs import contain
+from solver.growth_order import faces_strip
 from solver.strip_choices import free_arcs_of, grown_strip, nearest_arc, proposed_strip
 
 ANGLES = st.floats(1e-3, 6.28)
@@ -163,3 +164,12 @@ def test_a_seed_is_refused_by_its_own_key_and_one_that_stops_is_all_there_is():
     growth = StripByStrip(stops, (ChosenStrip(),)).grow()
     assert growth.status is stops.grow().status is not Status.GROWN
     assert growth.advice.startswith("In the seed: Strip 19")
+
+
+def test_strips_on_any_side_are_numbered_in_their_order():
+    mesh, faces = Miura(columns=4, rows=2).grow().mesh, [4, 8]
+    for side in (Side.TOP, Side.RIGHT, Side.BOTTOM, Side.LEFT, Side.RIGHT, Side.TOP):
+        mesh = grown_strip(mesh, proposed_strip(mesh, side))
+        faces.append(len(mesh.faces_vertices))
+    assert np.cumsum(np.bincount(faces_strip(mesh))).tolist() == faces
+    assert (np.diff(faces_strip(mesh)) >= 0).all()
