@@ -15,6 +15,7 @@ def inside(folder: Path, name: str) -> Path:
     home = folder.resolve()
     try:
         place = (home / name).resolve()
+        place.exists()  # names may be too long for the file system
     except (OSError, ValueError, RuntimeError) as error:
         raise InvalidJob(f"{shortened(name)!r} is no path.") from error
     if not place.is_relative_to(home):

@@ -114,6 +114,7 @@ def _bodies_data(bodies: SceneBodies) -> dict[str, Any]:
     poses[:, :, :4] = Rotation.from_matrix(turns).as_quat().reshape(states, faces, 4)
     poses[:, :, 4:] = bodies.shifts
     edges = _outlines(own.triangles, own.triangles_plane)
+    edges = edges[bodies.faces[chosen][own.vertices_body[edges[:, 0]]] >= 0]  # of panels alone
     edges_body = own.vertices_body[edges[:, 0]]
     return {
         "positions": packed(own.vertices_coords),

@@ -22,6 +22,7 @@ from fab.studio.serving import free_socket
 
 HOST = "127.0.0.1:8765"
 MIURA = (TEMPLATES / "miura.toml").read_text(encoding="utf-8")
+LONG = "a" * 300 + ".toml"
 SMALL = [[["design", "columns"], 4], [["design", "rows"], 3]]
 
 
@@ -194,7 +195,16 @@ def files_under(folder):
 
 def test_jobs_are_saved_in_the_folder_and_nowhere_else(client, folder):
     before = files_under(folder.parent)
-    for name in ("../out.toml", "/tmp/out.toml", "a/b.toml", "job.txt", "", ".", "\ud800.toml"):
+    for name in (
+        "../out.toml",
+        "/tmp/out.toml",
+        "a/b.toml",
+        "job.txt",
+        "",
+        ".",
+        "\ud800.toml",
+        LONG,
+    ):
         head = head_of(ask(client, "save", text=MIURA, file=name))
         assert "refused" in head, name
     bad = MIURA.replace("rows = 8", "rows = true")

@@ -145,7 +145,7 @@ def test_panels_take_the_place_of_the_sheet(browser, pages):
     with opened(browser, pages["run"]) as found:
         page = found.page
         sheet = shot(page)
-        page.get_by_label("panels").check()
+        page.get_by_label("panels", exact=True).check()
         panels = shot(page)
         assert (sheet != panels).any(axis=2).mean() > 0.02
         fold_to(page, 0.0)
@@ -165,7 +165,7 @@ def test_panels_stop_where_they_were_made_to_and_the_sheet_goes_on(browser, page
         fold_to(page, 1.0)
         assert (shot(page) != at_stop).any(axis=2).mean() > 0.01
         assert page.locator("#state").text_content() == "at the target"
-        page.get_by_label("panels").check()
+        page.get_by_label("panels", exact=True).check()
         assert page.locator("#state").text_content().startswith("panels stop at")
         panels = shot(page)
         fold_to(page, stop / last)
@@ -224,7 +224,7 @@ def test_findings_light_up_what_they_name(browser, pages):
             "[document.querySelector('[aria-pressed=true]').dataset.finding].creases.length"
         )
         assert path.count("M") == path.count("L") == named > 0
-        page.get_by_label("panels").check()
+        page.get_by_label("panels", exact=True).check()
         button.click()
         assert button.get_attribute("aria-pressed") == "false"
         assert not is_lit(shot(page))

@@ -21,7 +21,8 @@ import {
   WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { between, bodyStates, boxMiddle, sheetStates } from "./states.js";
+import { Poses } from "./poses.js";
+import { between, boxMiddle, sheetStates } from "./states.js";
 
 const FIELD_DEG = 35;
 const TURN_RAD = Math.PI / 24;
@@ -65,7 +66,7 @@ class Form {
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
     });
-    this.objects.push(new Mesh(this.geometry(index), material));
+    this.#add(new Mesh(this.geometry(index), material));
   }
 
   /** The same triangles, each of its own colour, which `fold` finds. */
@@ -77,15 +78,19 @@ class Form {
     const material = new MeshLambertMaterial({ vertexColors: true, side: DoubleSide, flatShading: true });
     Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
     const mesh = new Mesh(geometry, material);
-    mesh.frustumCulled = false;
     this.values = { mesh, index, faces, shares: values, colours: ramp.map((hex) => new Color(hex)) };
-    this.objects.push(mesh);
+    this.#add(mesh);
   }
 
   lines(index, colour, look = {}) {
     const lines = new LineSegments(this.geometry(index), new LineBasicMaterial({ color: colour, ...look }));
     lines.userData.creases = true;
-    this.objects.push(lines);
+    this.#add(lines);
+  }
+
+  #add(object) {
+    object.frustumCulled = false; // its box changes as it folds
+    this.objects.push(object);
   }
 
   /** Light up triangles and lines, in place of those before. */
@@ -97,7 +102,7 @@ class Form {
       new Mesh(this.geometry(triangles), areas),
       new LineSegments(this.geometry(lines), new LineBasicMaterial(through)),
     ];
-    for (const object of this.lit) object.renderOrder = 1;
+    for (const object of this.lit) Object.assign(object, { renderOrder: 1, frustumCulled: false });
   }
 
   fold(place) {
@@ -127,6 +132,21 @@ class Form {
       mixed.toArray(color.array, 3 * corner);
     }
     position.needsUpdate = color.needsUpdate = true;
+  }
+}
+
+/** Rigid bodies that fold, of which states are boxes around them. */
+class PosedForm extends Form {
+  constructor(bodies, count, used) {
+    const poses = new Poses(bodies, count, used);
+    super(poses.boxes());
+    this.poses = poses;
+    this.place = new BufferAttribute(new Float32Array(bodies.positions.length), 3);
+  }
+
+  fold(place) {
+    this.poses.fold(Math.min(place, this.states.length - 1), this.place.array);
+    this.place.needsUpdate = true;
   }
 }
 
@@ -180,7 +200,7 @@ export function sheetForm(data) {
 
 function bodyForm(data) {
   const { bodies } = data;
-  const form = new Form(bodyStates(bodies, data.states.length).slice(0, data.panelsState + 1));
+  const form = new PosedForm(bodies, data.states.length, data.panelsState + 1);
   const owners = repeated(bodies.trianglesCount);
   const triangles = ofSheet(bodies.triangles, 3, bodies.trianglesCount, bodies.verticesCount);
   bodies.colours.forEach((colour, k) => {
