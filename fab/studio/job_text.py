@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +74,8 @@ def _put(table: Any, key: str, value: Any) -> None:
         return
     before = table.get(key)
     if isinstance(before, float) and isinstance(value, int) and not isinstance(value, bool):
-        value = float(value)
+        with suppress(OverflowError):  # what is too large is refused where its key is read
+            value = float(value)
     table[key] = value
 
 

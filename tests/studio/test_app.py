@@ -139,6 +139,12 @@ def test_states_run_from_flat_to_folded(client):
     assert np.allclose(states[-1], folded)
 
 
+@pytest.mark.parametrize("path", [["design", "fold_deg"], ["sheet", "width_mm"]])
+def test_whole_numbers_that_no_float_holds_are_refused(client, path):
+    refused = head_of(grown(client, changes=[[path, 10**400]]))["refused"]
+    assert ".".join(path) in refused
+
+
 def test_refusals_name_the_key_and_growth_that_stops_is_shown(client):
     refused = head_of(grown(client, changes=[[["design", "rows"], 1]]))["refused"]
     assert "design.rows" in refused
