@@ -63,6 +63,14 @@ def strip_front(mesh: QuadMesh, side: Side) -> Front:
     >>> len(strip_front(Miura(columns=4, rows=2).grow().mesh, Side.RIGHT).k)
     1
     """
+    if mesh.closed and side in (Side.LEFT, Side.RIGHT):
+        raise InvalidState(
+            "side", "a ring has no left and right side", "Grow on its top or bottom."
+        )
+    if len(mesh.pentagons) and side is Side.BOTTOM:
+        raise InvalidState(
+            "side", "a filled corner is between the bottom and the rest", "Grow on another side."
+        )
     count = len(mesh.front_vertices(side))
     if count < 3 and not mesh.closed:
         raise InvalidState(
@@ -70,7 +78,16 @@ def strip_front(mesh: QuadMesh, side: Side) -> Front:
             f"the {side} side of the sheet has {count} vertices and none between its ends",
             "Grow on the sides beside it first.",
         )
-    return Front.of(mesh, side)
+    try:
+        return Front.of(mesh, side)
+    except InvalidState:
+        raise
+    except InvalidValue as error:
+        raise InvalidState(
+            "side",
+            f"on the {side} side new faces have no room to fold, as {error.name} is {error.value}",
+            "Turn the strips beside it, or grow on another side.",
+        ) from error
 
 
 def grown_strip(mesh: QuadMesh, chosen: ChosenStrip, name: str = "strip") -> QuadMesh:

@@ -18,8 +18,7 @@ from fab.jobs.goals import design_goals, design_unit
 from fab.jobs.job import Job
 from fab.studio.job_text import Change, changed_text, job_of_text
 from fab.studio.messages import packed_answer
-from solver import Front, Growth, InvalidValue, QuadMesh, Side, StripByStrip
-from solver.errors import OrigamiError
+from solver import Front, Growth, InvalidState, InvalidValue, QuadMesh, Side, StripByStrip
 from solver.flap_costs import DesignAngleCost
 from solver.flap_landscape import flap_angle_landscape
 from solver.growth import least_length
@@ -166,8 +165,8 @@ def _sides(mesh: QuadMesh) -> dict[str, Any]:
         why = ""
         try:
             strip_front(mesh, side)
-        except OrigamiError as error:
-            why = str(error)
+        except InvalidState as error:
+            why = f"{error.value}. {error.cure}"
         along = opened.turned(side)[-1]
         sides[side.value] = {"vertices": along[along >= 0].tolist(), "why": why}
     return sides

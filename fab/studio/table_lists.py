@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 __all__ = ["put_tables"]
@@ -71,7 +72,10 @@ def _parsed(text: str) -> Any:
 
 
 def _item(value: Any) -> Any:
-    """Numbers have a point, as those of designs are real."""
+    """Numbers have a point, as those of designs are real; what no float holds stays as it is."""
     if isinstance(value, list):
         return [_item(each) for each in value]
-    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+    if isinstance(value, int) and not isinstance(value, bool):
+        with suppress(OverflowError):
+            return float(value)
+    return value

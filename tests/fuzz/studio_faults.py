@@ -26,6 +26,7 @@ GROW_S = 60.0
 MOST_BYTES = 4 * 10**9
 POSTS = (
     *("open", "grow", "fold", "read", "save", "make", "keep", "progress", "stop", "stock"),
+    *("hand", "next_strip", "by_hand"),
     *("drop", "start", "nothing", "made/0123456789abcdef/all.zip", "pictures/miura", "studio.js"),
 )
 WILD: tuple[Any, ...] = (
@@ -82,11 +83,15 @@ def _body(generator: random.Random) -> bytes:
     kind = generator.random()
     if kind < 0.1:
         return generator.randbytes(generator.randrange(200))
-    text = shipped("jobs")["miura"].read_text(encoding="utf-8")
+    job = generator.choice(("miura", "strip_by_strip"))
+    text = shipped("jobs")[job].read_text(encoding="utf-8")
     message: dict[str, Any] = {
         "text": text,
         "template": "miura",
-        "changes": [[["design", "rows"], generator.randrange(2, 9)]],
+        "changes": generator.choice(([[["design", "rows"], generator.randrange(2, 9)]], [])),
+        "side": generator.choice(("top", "left")),
+        "strip": generator.choice((None, generator.randrange(-1, 9))),
+        "landscape": "",
         "topology": "",
         "file": generator.choice(("x.fold", *PATHS)),
         "into": generator.choice(PATHS),

@@ -133,10 +133,15 @@ def test_touch_and_the_landscape_turn_it_too(hand):
         session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
     session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
     assert angle(hand) == pytest.approx(145.0, abs=0.11)
-    chart = hand.locator("#hand .landscape rect.forbidden")
-    chart.scroll_into_view_if_needed()
-    box = chart.bounding_box()
-    hand.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 10)
+    left, top, width = hand.evaluate(
+        """() => {
+          const chart = document.querySelector("#hand .landscape rect.forbidden");
+          chart.scrollIntoView({ block: "center", behavior: "instant" });
+          const { x, y, width } = chart.getBoundingClientRect();
+          return [x, y, width];
+        }"""
+    )
+    hand.mouse.click(left + 0.25 * width, top + 10)
     assert angle(hand) == pytest.approx(90.0, abs=0.6)
     wait_until(hand, lambda: strips(hand)[0]["flap_angle_deg"] == angle(hand))
 

@@ -110,7 +110,10 @@ export class HandGrowth {
   }
 
   async add(side) {
+    if (this.adding) return; // the next one needs the sheet with this one
+    this.adding = true;
     const answer = await ask("next_strip", { ...this.asked(), side });
+    this.adding = false;
     if (!answer.strip) return this.notice(answer.refused ?? answer.lost);
     this.taken = [];
     this.number = this.strips.length;
@@ -155,12 +158,14 @@ export class HandGrowth {
     const count = this.strips.length;
     find(".undo").disabled = !count;
     find(".redo").disabled = !this.taken.length;
+    const reasons = new Set();
     for (const side of SIDES) {
       const why = this.sides?.[side]?.why ?? "";
-      const button = find(`.sides [data-side="${side}"]`);
-      button.disabled = why !== "";
-      button.title = why;
+      find(`.sides [data-side="${side}"]`).disabled = why !== "";
+      if (why) reasons.add(why[0].toUpperCase() + why.slice(1));
     }
+    find(".why").hidden = !reasons.size;
+    find(".why").textContent = [...reasons].join(" ");
     const choice = find(".strip");
     choice.replaceChildren(
       ...this.strips.map(({ side, flap_angle_deg: angle }, n) =>
