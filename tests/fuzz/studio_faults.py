@@ -129,13 +129,13 @@ def _torn(generator: random.Random, text: str) -> str:
 
 
 def designs() -> dict[str, str]:
-    """A template of each design, the one that grows fastest as far as their names tell."""
-    found: dict[str, str] = {}
+    """A template of each design, the one of fewest columns."""
+    columns: dict[str, tuple[int, str]] = {}
     for name, path in shipped("jobs").items():
-        kind = read_toml(path, "")["design"]["kind"]
-        if kind not in found or len(name) < len(found[kind]):
-            found[kind] = name
-    return found
+        design = read_toml(path, "")["design"]
+        found = (design.get("columns", 0), name)
+        columns[design["kind"]] = min(columns.get(design["kind"], found), found)
+    return {kind: name for kind, (_, name) in columns.items()}
 
 
 class Designs:
