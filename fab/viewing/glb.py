@@ -20,8 +20,6 @@ from solver.polygons import face_normals
 from solver.vectors import FloatArray, IntArray, cross, unit
 
 if TYPE_CHECKING:
-    from pygltflib import Primitive
-
     from fab.viewing.gltf_document import Channels, GltfDocument
 
 __all__ = ["bodies_glb_bytes", "sheet_glb_bytes"]
@@ -32,6 +30,8 @@ _METRES_PER_MM = 1e-3
 _UP = np.array([0.0, 1.0, 0.0])
 _SECONDS = 4.0
 _APART_REL = 2e-4
+# To which coordinates of panels are rounded, so that panels that are alike are so to the last bit.
+_DECIMALS_MM = 5
 # Linear red, green, blue and opacity.
 _UPPER, _LOWER = (0.91, 0.67, 0.34, 1.0), (0.34, 0.5, 0.71, 1.0)
 _LINES = {
@@ -142,6 +142,7 @@ def _rigid_node(
     document: GltfDocument, bodies: SceneBodies, body: int, material: int
 ) -> dict[int, Channels]:
     """A node for a rigid body, at its last pose, and how it moves."""
+    from pygltflib import Attributes, Primitive
     from scipy.spatial.transform import Rotation
 
     mesh, face, name = bodies.bodies.mesh(body), int(bodies.faces[body]), bodies.names[body]
@@ -150,8 +151,16 @@ def _rigid_node(
     places = _in_metres(turns @ middle + shifts)
     quaternions = _without_jumps(Rotation.from_matrix(_AXES @ turns @ _AXES.T).as_quat())
     triangles, vertices, plane = _unshared(mesh.triangles, mesh.triangles_plane)
-    coords = _in_metres(mesh.vertices_coords[vertices] - middle)
-    primitive = _primitive(document, coords[None], triangles, plane, material)
+    local = np.round(mesh.vertices_coords[vertices] - middle, _DECIMALS_MM)
+    coords = _in_metres(local + 0.0)  # without negative zeros
+    primitive = Primitive(
+        attributes=Attributes(
+            POSITION=document.positions(coords),
+            NORMAL=document.directions(_plane_normals(coords, triangles, plane)),
+        ),
+        indices=document.numbers(triangles),
+        material=material,
+    )
     number = document.node(
         name, document.mesh(name, [primitive]), places[-1].tolist(), quaternions[-1].tolist()
     )
@@ -161,37 +170,31 @@ def _rigid_node(
 def _bending_node(
     document: GltfDocument, bodies: SceneBodies, numbers: IntArray, material: IntArray
 ) -> dict[int, Channels]:
-    """One node for all bodies that bend, with a primitive for each material."""
+    """One node for all bodies that bend, with a primitive for each material.
+
+    Their sides bend too, so that they have no normals: viewers then show every triangle flat.
+    """
+    from pygltflib import Attributes, Primitive
+
     owner = bodies.bodies.triangles_body
     states = np.stack([_in_metres(bodies.coords_in(k)) for k in range(len(bodies.turns))])
     primitives = []
     for each in np.unique(material[numbers]).tolist():
         chosen = np.isin(owner, numbers[material[numbers] == each])
-        triangles, vertices, plane = _unshared(
-            bodies.bodies.triangles[chosen], bodies.bodies.triangles_plane[chosen]
+        vertices, triangles = np.unique(bodies.bodies.triangles[chosen], return_inverse=True)
+        first, *others = [
+            Attributes(POSITION=document.positions(rows)) for rows in _changes(states[:, vertices])
+        ]
+        primitives.append(
+            Primitive(
+                attributes=first,
+                indices=document.numbers(triangles),
+                material=each,
+                targets=others,
+            )
         )
-        primitives.append(_primitive(document, states[:, vertices], triangles, plane, each))
     mesh = document.mesh("hinges", primitives, bodies.state_names[1:])
     return {document.node("hinges", mesh): _weights(len(states))}
-
-
-def _primitive(
-    document: GltfDocument, states: FloatArray, triangles: IntArray, plane: IntArray, material: int
-) -> Primitive:
-    """Triangles whose vertices are in states, shape (n, nv, 3), those after the first as targets.
-
-    plane : shape (nt,), of triangles that share no vertices with those of other planes.
-    """
-    from pygltflib import Attributes, Primitive
-
-    normals = np.stack([_plane_normals(coords, triangles, plane) for coords in states])
-    first, *others = [
-        Attributes(POSITION=document.positions(place), NORMAL=document.directions(normal))
-        for place, normal in zip(_changes(states), _changes(normals), strict=True)
-    ]
-    return Primitive(
-        attributes=first, indices=document.numbers(triangles), material=material, targets=others
-    )
 
 
 def _in_metres(coords: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ Channels = Mapping[str, FloatArray]
 
 
 class GltfDocument:
-    """Arrays, materials, meshes and nodes in the order in which they are added.
+    """Arrays, materials, meshes and nodes in the order in which they are added, equal ones once.
 
     Coordinates are in metres, y up, colours linear red, green, blue and opacity.
     """
@@ -29,6 +29,9 @@ class GltfDocument:
             asset=gltf.Asset(generator=f"quadfold {__version__}"), scene=0, scenes=[gltf.Scene()]
         )
         self._chunks: list[bytes] = []
+        self._views: dict[tuple[bytes, int | None], int] = {}
+        self._accessors: dict[tuple[int, int, str, bool], int] = {}
+        self._meshes: dict[str, int] = {}
         self._size = 0
 
     def positions(self, rows: FloatArray) -> int:
@@ -68,13 +71,20 @@ class GltfDocument:
     def mesh(
         self, name: str, primitives: Sequence[gltf.Primitive], targets: Sequence[str] = ()
     ) -> int:
-        """Number of a new mesh; targets : of its morph targets, the last of which is shown."""
+        """Number of a mesh; targets : of its morph targets, the last of which is shown.
+
+        One of the same primitives that is there already is taken for it, with the name that it has.
+        """
+        alike = repr((primitives, targets))
+        if alike in self._meshes:
+            return self._meshes[alike]
         weights = [0.0] * (len(targets) - 1) + [1.0] if targets else []
         made = gltf.Mesh(name=name, primitives=list(primitives), weights=weights)
         if targets:
             made.extras = {"targetNames": list(targets)}
         self._made.meshes.append(made)
-        return len(self._made.meshes) - 1
+        self._meshes[alike] = len(self._made.meshes) - 1
+        return self._meshes[alike]
 
     def node(
         self,
@@ -112,18 +122,25 @@ class GltfDocument:
         return b"".join(self._made.save_to_bytes())
 
     def _view(self, data: bytes, target: int | None) -> int:
+        if (data, target) in self._views:
+            return self._views[data, target]
         self._made.bufferViews.append(
             gltf.BufferView(buffer=0, byteOffset=self._size, byteLength=len(data), target=target)
         )
         padded = data + bytes(-len(data) % _ALIGNMENT)
         self._chunks.append(padded)
         self._size += len(padded)
-        return len(self._made.bufferViews) - 1
+        self._views[data, target] = len(self._made.bufferViews) - 1
+        return self._views[data, target]
 
     def _accessor(
         self, view: int, component: int, count: int, kind: str, bounds: Mapping[str, list[float]]
     ) -> int:
+        alike = (view, component, kind, bool(bounds))
+        if alike in self._accessors:
+            return self._accessors[alike]
         made = gltf.Accessor(bufferView=view, componentType=component, count=count, type=kind)
         made.min, made.max = bounds.get("min"), bounds.get("max")
         self._made.accessors.append(made)
-        return len(self._made.accessors) - 1
+        self._accessors[alike] = len(self._made.accessors) - 1
+        return self._accessors[alike]

@@ -179,6 +179,20 @@ def test_bodies_are_where_the_scene_has_them_at_all_times(kind):
     assert sorted(by_name) == sorted(shown)  # films are left out
 
 
+def test_panels_that_are_alike_share_a_mesh_and_hinges_take_a_number_a_corner():
+    scene = thick_scene_of()
+    document = read_glb(bodies_glb_bytes(scene))
+    panels = [node.mesh for node in document.nodes if node.name.startswith("panel")]
+    assert len(panels) == 9
+    assert len(set(panels)) < 9
+    (hinges,) = [node.mesh for node in document.nodes if node.name == "hinges"]
+    webs = np.flatnonzero(scene.bodies.creases >= 0)
+    corners = np.isin(scene.bodies.bodies.vertices_body, webs).sum()
+    drawn = document.meshes[hinges].primitives
+    assert sum(len(rows(document, each.attributes.POSITION)) for each in drawn) == corners
+    assert all(each.attributes.NORMAL is None for each in drawn)
+
+
 def at_the_same_places(found, expected):
     """Vertices that are repeated for every side, to the rounding of float32."""
     bound = 16 * FLOAT32 * np.abs(expected).max()
