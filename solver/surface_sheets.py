@@ -9,7 +9,8 @@
 
 Several shapes of cells and directions are tried; a sheet is good if it is exact, does not cross
 itself, covers its part and stays near its offsets. Of good ones the one with the largest least
-sector angle is taken: slim faces are hard to make. Of sheets that fold rigidly, which have no
+sector angle is taken: slim faces are hard to make. Rims of several sheets are brought together
+(`solver.matched_rims`). Of sheets that fold rigidly, which have no
 freedom left to follow a surface, it is the one nearest to its offsets. Where makers have goals
 (`solver.goals`), it is the one of those that miss them least.
 """
@@ -24,8 +25,9 @@ import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count
 from solver.goals import Bounds, FaceMeasures, Goals
+from solver.matched_rims import RimSheet, met_rims
 from solver.measure import developability
-from solver.mesh import QuadMesh
+from solver.mesh import QuadMesh, interior_vertices
 from solver.relaxation.laying import Pleats, held_vertices, laid_patch, laid_tube, rim_planes
 from solver.relaxation.method import RelaxationStatus
 from solver.relaxation.pleats import PleatedSheet
@@ -37,7 +39,7 @@ from solver.surface_cuts import halves, opened
 from solver.surface_maps import cylinder_map, disc_map, principal_turn
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
-from solver.vectors import FloatArray, angle_between
+from solver.vectors import FloatArray, IntArray, angle_between
 
 __all__ = [
     "MOST_COLUMNS",
@@ -86,6 +88,13 @@ _FIRST_COLUMNS = 24
 MOST_COLUMNS = 400
 # Finer sheets hold all but sides and rim by as much more, at most, else the rim bends them.
 _FIRMEST = 4.0
+# So often, at most, vertices of the rims of several sheets are brought together.
+_MEETINGS = 8
+# Those that are nearer than this, in steps; where that does harm, those nearer than half of it, and
+# so on until it is less than the second.
+_MOST_APART, _LEAST_APART = 1.2, 0.2
+# They may be as much farther from the surface for it.
+_FARTHER = 1.6
 # A surface is halved at most twice.
 MOST_SHEETS = 4
 
@@ -220,6 +229,8 @@ def surface_sheets(
     )
     sheets = tuple(search.sheets_of(mesh, columns, most_sheets))
     target = MeshTarget(mesh)
+    if len(sheets) > 1:
+        sheets = search.matched(target, sheets)
     reach = 2 * max(sheet.step * sheet.pleats.thickness for sheet in sheets)
     under = covered(
         target, [(s.mesh.vertices_coords, s.mesh.faces_vertices) for s in sheets], reach
@@ -436,6 +447,54 @@ class _Search:
         measures = wanted.measures(coords, sheet.mesh.faces_vertices)
         return replace(sheet, missed=float(wanted.misses(measures).sum())), wanted, measures
 
+    def matched(
+        self, target: MeshTarget, sheets: tuple[SurfaceSheet, ...]
+    ) -> tuple[SurfaceSheet, ...]:
+        """The sheets with as many vertices of their rims that meet as leave them as good."""
+        if self.wishes.rigid:
+            return sheets
+        pairs, barred = np.empty((0, 2), np.int64), np.empty(0, np.int64)
+        reach = _MOST_APART
+        for _ in range(_MEETINGS):
+            if self._stopped() or reach < _LEAST_APART:
+                break
+            found = met_rims(target, _rims(sheets), pairs, barred, reach)
+            if found is None:
+                break
+            each = zip(sheets, found.coords, found.deviations, found.distances, strict=True)
+            moved = tuple(self._moved(*one) for one in each)
+            as_good = (
+                (new.faults, new.missed) <= (old.faults, old.missed)
+                and new.distance <= _FARTHER * old.distance
+                for new, old in zip(moved, sheets, strict=True)
+            )
+            if all(as_good) and not len(found.faulty):
+                sheets, pairs = moved, found.pairs
+            else:
+                beside = _beside_faults(moved, found.faulty, found.pairs[len(pairs) :])
+                reach /= 1 if len(beside) else 2
+                barred = np.union1d(barred, beside)
+        return sheets
+
+    def _moved(
+        self, sheet: SurfaceSheet, coords: FloatArray, deviations: FloatArray, distance: float
+    ) -> SurfaceSheet:
+        """A sheet with its vertices elsewhere, judged again."""
+        mesh, target = replace(sheet.mesh, vertices_coords=coords), MeshTarget(sheet.part)
+        made = [(coords, mesh.faces_vertices)]
+        found = replace(
+            sheet,
+            mesh=mesh,
+            deviations=deviations,
+            coverage=float(covered(target, made, 2 * sheet.step * sheet.pleats.thickness).mean()),
+            crossings=len(crossing_faces(coords, *mesh.polygons)),
+            least_sector=_least_sector(mesh),
+            distance=distance,
+        )
+        if self.goals is None:
+            return found
+        return self._judged(found, self.goals, 1.0)[0]
+
     def _stopped(self) -> bool:
         return self.interrupted is not None and self.interrupted()
 
@@ -444,6 +503,44 @@ def _enough(ranked: Sequence[tuple[float, float, float, SurfaceSheet, _Lay]]) ->
     """Whether there are good sheets enough to choose from, within the goals or at all."""
     missed = [of_goals for faults, of_goals, *_ in ranked if faults == 0]
     return missed.count(0.0) >= _CHOICES or len(missed) >= _MOST_CHOICES
+
+
+def _rims(sheets: Sequence[SurfaceSheet]) -> list[RimSheet]:
+    return [
+        RimSheet(
+            sheet.mesh.vertices_coords,
+            sheet.mesh.faces_vertices,
+            sheet.part,
+            sheet.step * sheet.pleats.stretch,
+            sheet.step * sheet.pleats.thickness,
+        )
+        for sheet in sheets
+    ]
+
+
+def _beside_faults(sheets: Sequence[SurfaceSheet], faulty: IntArray, pairs: IntArray) -> IntArray:
+    """Vertices around the faulty ones, faces that cross, and vertices that are too far off.
+
+    Numbered through all sheets.
+
+    So many rings around them that some are in the pairs.
+    """
+    faces, bad, start = [], [faulty], 0
+    for sheet in sheets:
+        mesh, count = sheet.mesh, len(sheet.mesh.vertices_coords)
+        crossed = crossing_faces(mesh.vertices_coords, *mesh.polygons).ravel()
+        inner = np.flatnonzero(interior_vertices(mesh.faces_vertices, count))
+        off = inner[np.abs(sheet.deviations) > _OFF * sheet.step]
+        bad += [start + mesh.faces_vertices[crossed].ravel(), start + off]
+        faces.append(start + mesh.faces_vertices)
+        start += count
+    every, out = np.concatenate(faces), np.unique(np.concatenate(bad))
+    while len(out) and not np.isin(pairs, out).any():
+        wider = np.unique(every[np.isin(every, out).any(axis=1)])
+        if len(wider) == len(out):
+            break
+        out = wider
+    return out
 
 
 @dataclass(frozen=True)

@@ -27,10 +27,12 @@ from fab.jobs.alike_panels import alike_panels
 from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
+from fab.jobs.seam_report import seam_findings, seam_marks
 from fab.jobs.surface_report import growth_report
 from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_pattern
+from fab.pattern.meeting_rims import meeting_rims
 from fab.progress import Clock, Progress, silent
 from fab.settings import checked
 from fab.sheets.perforation import perforate
@@ -241,6 +243,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
         _growth(sheet),
         _measures(sheet, clock),
         _goals(sheet),
+        _seams(sheet),
         _fold_file(sheet, wanted, clock),
         _drawings(sheet, wanted, clock),
         _solids(sheet, wanted, clock),
@@ -324,6 +327,13 @@ def _goals(sheet: Sheet) -> _Part:
     return _Part(findings=check.findings, report={"goals": check.report, "alike_panels": alike})
 
 
+def _seams(sheet: Sheet) -> _Part:
+    meeting = meeting_rims(sheet.pattern)
+    if meeting is None:
+        return _Part()
+    return _Part(findings=seam_findings(meeting), report={"seams": meeting.report()})
+
+
 def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     if Format.FOLD not in wanted:
         return _Part()
@@ -339,7 +349,9 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     from fab.drawings.drawing_files import SheetFormat, drawing_files
 
     with clock.stage("perforate"):
-        paths, findings = perforate(sheet.pattern, sheet.settings.perforation)
+        meeting = meeting_rims(sheet.pattern)
+        marks = [] if meeting is None else seam_marks(sheet.pattern, meeting)
+        paths, findings = perforate(sheet.pattern, sheet.settings.perforation, marks=marks)
     files: dict[str, bytes] = {}
     for kind in kinds:
         with clock.stage(kind):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,10 +44,14 @@ class CutPiece:
 
 
 def perforate(
-    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
+    pattern: CreasePattern,
+    settings: PerforationSettings,
+    kerf_mm: float = 0.0,
+    marks: Sequence[Layer] = (),
 ) -> tuple[CutPaths, list[Finding]]:
-    """`cut_layers`, moved so that their lower left corner is (0, 0)."""
+    """`cut_layers` and further `marks`, moved so that their lower left corner is (0, 0)."""
     layers, findings = cut_layers(pattern, settings, kerf_mm)
+    layers = joined([*layers, *marks]) if marks else layers
     outlines = [ring for layer in layers for ring in layer.outlines]
     points = np.concatenate(outlines) if outlines else pattern.vertices_coords
     low, high = points.min(axis=0), points.max(axis=0)

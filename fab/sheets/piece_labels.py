@@ -12,7 +12,7 @@ from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.labels import Label, LabelPlaces, fitted, highest, number_text
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["READABLE_MM", "SeamNumbers", "piece_labels"]
+__all__ = ["READABLE_MM", "SeamNumbers", "number_labels", "piece_labels"]
 
 # Smaller letters cannot be read.
 READABLE_MM = 1.0
@@ -67,6 +67,23 @@ def piece_labels(
         [rooms[face] for face in [widest, *seams.faces.tolist()]],
         height,
         hang,
+    )
+    return fitted(places, READABLE_MM)
+
+
+def number_labels(
+    pattern: CreasePattern, seams: SeamNumbers, label_mm: float
+) -> tuple[Label | None, ...]:
+    """Labels of numbers alone, at most `label_mm` high; as `piece_labels` without a name."""
+    rooms = _rooms(pattern)
+    direction = seams.lines[:, 1] - seams.lines[:, 0]
+    places = LabelPlaces(
+        [number_text(number) for number in seams.numbers.tolist()],
+        seams.lines.mean(axis=1),
+        np.arctan2(direction[:, 1], direction[:, 0]),
+        [rooms[face] for face in seams.faces.tolist()],
+        np.full(len(seams.numbers), label_mm),
+        np.ones(len(seams.numbers)),
     )
     return fitted(places, READABLE_MM)
 

@@ -52,7 +52,7 @@ _SHORT: tuple[tuple[str, tuple[str, ...]], ...] = (
 )
 _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Cutting", ("copies", "minutes", "sheets")),
-    ("Assembly order", ("pieces", "glue_up")),
+    ("Assembly order", ("pieces", "glue_up", "seams")),
     ("Solids", ("solids",)),
     ("Plates", ("plates",)),
     ("Folding", ("verdict", "simulation", "rigid", "tolerance_deg")),

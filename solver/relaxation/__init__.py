@@ -7,6 +7,7 @@ exact to rounding and soft ones as small as can be.
 | terms | module |
 |---|---|
 | `PlanarFaces`, `DevelopableVertices`, `FlatFoldableVertices`: hard | `constraints` |
+| `MeetingVertices`: hard, of several sheets | `constraints` |
 | `SurfaceOffsets`, `RimReach`, `SideLengths`, `LeastDistances`, `FoldBounds`: soft | `objectives` |
 | any class with the attributes of `Term` | `terms` |
 
@@ -20,7 +21,12 @@ tessellations", Nature Materials 15 (2016); T. Tachi, "Generalization of rigid f
 quadrilateral mesh origami", Journal of the IASS 50 (2009).
 """
 
-from solver.relaxation.constraints import DevelopableVertices, FlatFoldableVertices, PlanarFaces
+from solver.relaxation.constraints import (
+    DevelopableVertices,
+    FlatFoldableVertices,
+    MeetingVertices,
+    PlanarFaces,
+)
 from solver.relaxation.method import Relaxation, RelaxationStatus, relax
 from solver.relaxation.minimisation import Soft
 from solver.relaxation.objectives import (
@@ -41,6 +47,7 @@ __all__ = [
     "FoldBounds",
     "LeastDistances",
     "Linear",
+    "MeetingVertices",
     "PlanarFaces",
     "PleatedSheet",
     "Relaxation",

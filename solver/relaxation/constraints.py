@@ -1,4 +1,4 @@
-"""Hard terms: planar faces, developable vertices, flat-foldable vertices.
+"""Hard terms: planar faces, developable vertices, flat-foldable vertices, vertices that meet.
 
 Planar faces and sectors that sum to 2 pi make a sheet that folds from flat paper; Kawasaki's
 condition besides, that the sums of alternate sectors are alike, makes one that folds flat, and a
@@ -16,7 +16,7 @@ from solver.relaxation.neighbours import vertex_rings
 from solver.relaxation.terms import Linear
 from solver.vectors import FloatArray, IntArray, cross, dot, norm
 
-__all__ = ["DevelopableVertices", "FlatFoldableVertices", "PlanarFaces"]
+__all__ = ["DevelopableVertices", "FlatFoldableVertices", "MeetingVertices", "PlanarFaces"]
 
 
 @dataclass(frozen=True)
@@ -97,6 +97,34 @@ class FlatFoldableVertices:
         """Residuals and gradients, see `Term`."""
         signs = (-1.0) ** np.arange(self.vertices.shape[1] - 1)
         return Linear(*_sector_sums(coords, self.vertices, signs), self)
+
+
+@dataclass(frozen=True)
+class MeetingVertices:
+    """Differences of the coordinates of pairs of vertices, in steps: they are to be one point.
+
+    Attributes
+    ----------
+    vertices : each pair three times in turn, shape (3 n, 2). step : unit of the residuals.
+
+    >>> term = MeetingVertices.of(np.array([[0, 1]]), 0.5)
+    >>> term.linearised(np.array([[0.0, 0, 0], [1, 2, 3]])).values.tolist()
+    [2.0, 4.0, 6.0]
+    """
+
+    vertices: IntArray
+    step: float
+
+    @classmethod
+    def of(cls, pairs: IntArray, step: float) -> MeetingVertices:
+        """That of pairs (n, 2)."""
+        return cls(np.repeat(pairs, 3, axis=0), step)
+
+    def linearised(self, coords: FloatArray) -> Linear:
+        """Residuals and gradients, see `Term`."""
+        first, second = coords[self.vertices[::3, 0]], coords[self.vertices[::3, 1]]
+        axes = np.tile(np.eye(3), (len(first), 1)) / self.step
+        return Linear(((second - first) / self.step).ravel(), np.stack([-axes, axes], axis=1), self)
 
 
 def _sector_sums(

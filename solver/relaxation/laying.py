@@ -23,7 +23,7 @@ from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind
 from solver.vectors import BoolArray, FloatArray, dot, norm, unit
 
-__all__ = ["Pleats", "held_vertices", "laid_patch", "laid_tube", "rim_planes"]
+__all__ = ["Pleats", "held_vertices", "laid_patch", "laid_tube", "rim_planes", "rim_points"]
 
 # How far beyond the rim of the surface the sheet's rim is to be at least, in steps.
 _MARGIN = 0.1
@@ -129,7 +129,7 @@ def rim_planes(target: MeshTarget, sheet: PleatedSheet) -> RimReach:
     used = np.bincount(faces.ravel(), minlength=count) > 0
     outer = np.flatnonzero(used & ~interior_vertices(faces, count))
     points = target.point(places[outer])
-    foot, ahead = _rim_points(target, step)
+    foot, ahead = rim_points(target, step)
     gap, nearest = cKDTree(foot).query(points)
     beyond = ~target.inside(places[outer])
     near = beyond | (gap <= _NEAR_RIM * step)
@@ -144,7 +144,7 @@ def rim_planes(target: MeshTarget, sheet: PleatedSheet) -> RimReach:
     )
 
 
-def _rim_points(target: MeshTarget, step: float) -> tuple[FloatArray, FloatArray]:
+def rim_points(target: MeshTarget, step: float) -> tuple[FloatArray, FloatArray]:
     """Points along the rim of the surface, and unit tangents of it there that point outwards."""
     mesh = target.mesh
     edges = np.flatnonzero(mesh.rim_edges)

@@ -23,6 +23,7 @@ from fab.outputs import plain_title
 from solver.vectors import FloatArray, IntArray
 
 __all__ = [
+    "SEAM_KEY",
     "STATE_KEY",
     "Frames",
     "State",
@@ -39,6 +40,8 @@ __all__ = [
 _LARGEST_BYTES = 2_000_000_000
 # Marks a simulated state among folded forms; keys with a colon are left to programs.
 STATE_KEY = "quadfold:state"
+# Numbers of the points at which rims of several sheets are glued together.
+SEAM_KEY = "quadfold:vertices_seam"
 
 _Frame = dict[str, Any]
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from fab.formats.fold.face_orders import face_orders
-from fab.formats.fold.frames import STATE_KEY
+from fab.formats.fold.frames import SEAM_KEY, STATE_KEY
 from fab.formats.pattern_file import State
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
+from fab.pattern.meeting_rims import meeting_rims
 from solver.errors import InvalidState, InvalidValue
 from solver.vectors import FloatArray
 
@@ -26,7 +27,9 @@ def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ())
         Raises `InvalidValue` for points that do not fit, or faces without area.
 
     Coordinates are written with all digits, so that reading gives the same arrays back. A folded
-    form in a plane has `faceOrders`, for the pairs whose order `face_orders` knows.
+    form in a plane has `faceOrders`, for the pairs whose order `face_orders` knows. Where rims of
+    several sheets meet, vertices that are glued together have the same number in
+    `quadfold:vertices_seam`; others have 0.
     """
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     corners = pattern.faces_vertices.tolist()
@@ -46,6 +49,9 @@ def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ())
         "edges_foldAngle": pattern.edges_foldAngle.tolist(),
         "faces_vertices": [corners[i:j] for i, j in pairwise(bounds)],
     }
+    meeting = meeting_rims(pattern)
+    if meeting is not None:
+        document[SEAM_KEY] = meeting.vertices_seam(len(flat)).tolist()
     frames = []
     if pattern.folded_coords is not None:
         frame = _folded_frame("folded form", pattern.folded_coords)
