@@ -16,6 +16,7 @@ from solver.flap_costs import DesignAngleCost
 from solver.front import Front
 from solver.growth import CLOSED, Strip, grow, length_trouble
 from solver.mesh import QuadMesh, Side
+from solver.rays import Rays
 from solver.transfer import Closing
 from solver.vectors import FloatArray, norm
 
@@ -49,11 +50,18 @@ class ChosenStrip:
         radians.
     lengths : of the creases across the strip: one for all, or one for each vertex of the side, in
         the same order.
+    boundary_angles : design angles at the first and last vertex of the side, between it and the new
+        boundary, radians in (0, pi); left out: boundaries parallel to the creases beside them.
     """
 
     side: Side = Side.TOP
     flap_angle: float = field(default=np.pi / 2, metadata={"angle": True})
     lengths: float | tuple[float, ...] = 1.0
+    boundary_angles: tuple[float, float] | None = field(default=None, metadata={"angle": True})
+
+    def rays(self, front: Front) -> Rays:
+        """The creases of the strip on its front. Raises `InvalidValue` for angles out of bounds."""
+        return front.rays(self.flap_angle, boundary_angles=self.boundary_angles or (None, None))
 
 
 def strip_front(mesh: QuadMesh, side: Side) -> Front:
@@ -116,13 +124,17 @@ def grown_strip(mesh: QuadMesh, chosen: ChosenStrip, name: str = "strip") -> Qua
 
     def choose(front: Front, _strip: int) -> Strip:
         require_number(f"flap angle of {name}", chosen.flap_angle)
+        if front.closed and chosen.boundary_angles is not None:
+            raise InvalidState(
+                name, f"{name}: a ring has no boundary angles", "Leave boundary_angles out."
+            )
         closing = closing_flap_angles(front)
         if closing is not None:
             _require_closing(front, float(chosen.flap_angle), closing, name)
         else:
             _require_free(front, float(chosen.flap_angle), name)
-        rays = front.rays(chosen.flap_angle)
         try:
+            rays = chosen.rays(front)
             trouble = length_trouble(rays.each(given), rays)
         except InvalidValue as error:
             raise _of(name, error) from error
@@ -134,7 +146,9 @@ def grown_strip(mesh: QuadMesh, chosen: ChosenStrip, name: str = "strip") -> Qua
                 bound,
                 "Give another length there, or another flap angle.",
             )
-        return Strip(chosen.flap_angle, given)
+        return Strip(
+            chosen.flap_angle, given, boundary_angles=chosen.boundary_angles or (None, None)
+        )
 
     return grow(mesh, 1, choose, side=chosen.side).mesh
 

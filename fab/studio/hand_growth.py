@@ -22,6 +22,7 @@ from solver import Front, Growth, InvalidState, InvalidValue, QuadMesh, Side, St
 from solver.flap_costs import DesignAngleCost
 from solver.flap_landscape import flap_angle_landscape
 from solver.growth import least_length
+from solver.rays import Rays
 from solver.strip_choices import (
     ChosenStrip,
     closing_flap_angles,
@@ -31,7 +32,7 @@ from solver.strip_choices import (
 )
 from solver.strip_family import special_at_first
 from solver.transfer import transfer_flap_angles
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, angle_between
 
 __all__ = ["KIND", "by_hand", "hand_state", "next_strip"]
 
@@ -195,7 +196,7 @@ class _Choices:
 
 def _choices(mesh: QuadMesh, chosen: ChosenStrip) -> _Choices:
     front = strip_front(mesh, chosen.side)
-    rays = front.rays(chosen.flap_angle)
+    rays = chosen.rays(front)
     count = len(rays.directions)
     lengths = np.asarray(chosen.lengths, np.float64)
     usable = lengths.shape in ((), (count,))
@@ -217,6 +218,7 @@ def _choices(mesh: QuadMesh, chosen: ChosenStrip) -> _Choices:
         "special": _special(front),
         "best": best,
         "oldFace": _old_face(front),
+        "boundary": None if front.closed else _boundary(front, rays),
         "bounds": bounds,
         "least": least_length(rays),
         "front": along.tolist(),
@@ -226,6 +228,14 @@ def _choices(mesh: QuadMesh, chosen: ChosenStrip) -> _Choices:
     }
     spread = np.broadcast_to(lengths, count) if usable else None
     return _Choices(head, front, spread)
+
+
+def _boundary(front: Front, rays: Rays) -> list[float]:
+    """Design angles at both ends of an open front, degrees."""
+    edges, new = front.edges_direction, rays.directions
+    ends = angle_between(np.stack([edges[0], -edges[-1]]), new[[0, -1]])
+    angles: list[float] = np.degrees(ends).tolist()
+    return angles
 
 
 def _old_face(front: Front) -> float:

@@ -25,7 +25,7 @@ def test_the_tables_of_a_job_are_the_design():
     made = make(job(STRIP, STRIP), ["fold"])
     assert made.within_tolerance
     assert made.report["counts"]["faces"] == 16
-    assert made.report["job"]["design"]["strips"] == [STRIP, STRIP]
+    assert made.report["job"]["design"]["strips"] == [{**STRIP, "boundary_angles_deg": None}] * 2
 
 
 @pytest.mark.parametrize(
@@ -36,6 +36,7 @@ def test_the_tables_of_a_job_are_the_design():
         ({"flap_angle_deg": True}, "design.strips.1.flap_angle_deg = True"),
         ({"lengths": "0.5"}, "it must be a number or be a list"),
         ({"lengths": [1.0, "a"]}, "design.strips.1.lengths.1 = 'a'"),
+        ({"boundary_angles_deg": [90.0]}, "design.strips.1.boundary_angles_deg has too few values"),
     ],
 )
 def test_keys_of_a_strip_are_checked_by_place(change, named):
@@ -54,6 +55,7 @@ def test_keys_of_a_strip_are_checked_by_place(change, named):
         ),
         ({"lengths": 0.0}, "length at vertex 0 of strip 2 (top side) = 0 is out of bounds"),
         ({"lengths": [0.5] * 4}, "must be a number or have shape (5,)"),
+        ({"boundary_angles_deg": [90.0, 190.0]}, "boundary angle (right) of strip 2 (top side)"),
         (
             {"side": "right", "flap_angle_deg": 240.0, "lengths": 9.0},
             "length at vertex 1 of strip 2 (right side) = 9 is out of bounds: it must be below ",

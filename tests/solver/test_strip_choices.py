@@ -25,9 +25,10 @@ from solver import (
     grown_strips,
     planarity,
 )
-from solver.arcs import contain
+from solver.arcs import at_share, contain
 from solver.growth_order import faces_strip
 from solver.strip_choices import free_arcs_of, grown_strip, nearest_arc, proposed_strip
+from solver.vectors import angle_between
 
 ANGLES = st.floats(1e-3, 6.28)
 
@@ -83,6 +84,23 @@ def test_a_flap_angle_is_grown_exactly_or_refused_where_faces_cross(mesh, side, 
         assert not len(free_arcs_of(front))
     else:
         assert f"{np.degrees(flap_angle):.9g} deg" in str(refused.value)
+
+
+@given(patches(), st.floats(0.3, 2.8), st.floats(0.3, 2.8))
+def test_boundaries_have_the_angles_that_are_chosen(mesh, first, last):
+    """So that a strip may be read off any grown sheet, and grown again."""
+    front = Front.of(mesh, Side.TOP)
+    free = free_arcs_of(front)
+    assume(len(free))
+    angle = at_share(free, 0.5)
+    chosen = ChosenStrip(Side.TOP, angle, 1.0, (first, last))
+    short = tuple((0.3 * np.minimum(chosen.rays(front).length_bounds, 0.1)).tolist())
+    grown = grown_strip(mesh, replace(chosen, lengths=short))
+    assert off(grown) < 1e-8
+    coords = grown.vertices_coords[grown.grid]
+    new, edges = coords[-1] - coords[-2], front.edges_direction
+    assert angle_between(edges[0], new[0]) == pytest.approx(first)
+    assert angle_between(-edges[-1], new[-1]) == pytest.approx(last)
 
 
 @given(patches(), st.integers(0, 2**32 - 1))

@@ -244,6 +244,11 @@ def test_lengths_have_their_bounds_beside_them(hand):
     hand.locator("#hand .one").fill("0.4")
     wait_until(hand, lambda: verdict(hand) == "grown: 15 faces.")
     assert strips(hand)[1]["lengths"] == 0.4
+    hand.locator("#hand .first-end").fill("80")
+    wait_until(hand, lambda: "boundary_angles_deg" in strips(hand)[1])
+    assert strips(hand)[1]["boundary_angles_deg"][0] == 80.0
+    hand.locator("#hand .parallel").click()
+    wait_until(hand, lambda: "boundary_angles_deg" not in strips(hand)[1])
 
 
 def test_an_earlier_strip_is_turned_and_special_angles_are_taken(hand):
@@ -259,7 +264,13 @@ def test_an_earlier_strip_is_turned_and_special_angles_are_taken(hand):
     special.select_option(label=label)
     wait_until(hand, lambda: strips(hand)[0]["flap_angle_deg"] != 120.0)
     assert f"{strips(hand)[0]['flap_angle_deg']:.2f}°" in label
-    assert len(strips(hand)) == 2
+    kept = strips(hand)
+    assert len(kept) == 2
+    hand.reload()
+    wait_until(hand, lambda: verdict(hand) == "grown: 16 faces.")
+    settled(hand)
+    assert strips(hand) == kept
+    assert hand.locator("#hand .strip").input_value() == "1"
 
 
 def test_another_sheet_goes_on_by_hand(page):

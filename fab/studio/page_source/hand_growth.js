@@ -45,6 +45,15 @@ export class HandGrowth {
     find(".one").addEventListener("input", ({ target }) => {
       if (target.value !== "" && !target.validity.badInput) this.#set({ lengths: Number(target.value) });
     });
+    const ends = [find(".first-end"), find(".last-end")];
+    for (const input of ends) {
+      input.addEventListener("input", () => {
+        const angles = ends.map((each) => Number(each.value));
+        if (ends.some((each) => each.value === "" || each.validity.badInput)) return;
+        this.#set({ boundary_angles_deg: angles });
+      });
+    }
+    find(".parallel").addEventListener("click", () => this.#set({ boundary_angles_deg: undefined }));
     this.close();
   }
 
@@ -226,6 +235,11 @@ export class HandGrowth {
     const one = find(".one");
     if (document.activeElement !== one) one.value = Array.isArray(strip.lengths) ? "" : shown(strip.lengths);
     find(".one-bound").textContent = Number.isFinite(least) ? `below ${shown(least)}` : "";
+    find(".ends").hidden = !this.state.boundary;
+    [find(".first-end"), find(".last-end")].forEach((input, n) => {
+      if (document.activeElement !== input) input.value = shown(strip.boundary_angles_deg?.[n] ?? this.state.boundary?.[n] ?? "");
+    });
+    find(".parallel").disabled = !strip.boundary_angles_deg;
     const list = find(".lengths");
     if (list.children.length !== bounds.length) list.replaceChildren(...bounds.map((_, n) => this.#length(n)));
     bounds.forEach((bound, n) => {
