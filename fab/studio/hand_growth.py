@@ -167,7 +167,7 @@ def _sides(mesh: QuadMesh) -> dict[str, Any]:
         try:
             strip_front(mesh, side)
         except InvalidState as error:
-            why = f"{error.value}. {error.cure}"
+            why = f"{error.value}."
         along = opened.turned(side)[-1]
         sides[side.value] = {"vertices": along[along >= 0].tolist(), "why": why}
     return sides

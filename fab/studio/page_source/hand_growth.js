@@ -10,6 +10,17 @@ const SIDES = ["top", "right", "bottom", "left"];
 const find = (selector) => document.querySelector(`#hand ${selector}`);
 const shown = (value) => String(Number(Number(value).toPrecision(6)));
 
+/** The place beside the middle of a side, and the direction away from the sheet, in the drawing. */
+function beside(points) {
+  // growth is on the left of the side, and y runs downwards
+  const [[x0, y0], [x1, y1]] = [points[0], points.at(-1)];
+  const long = Math.hypot(x1 - x0, y1 - y0) || 1;
+  const [dx, dy] = [(y1 - y0) / long, (x0 - x1) / long];
+  const [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2];
+  const reach = Math.max(...points.map(([px, py]) => (px - x) * dx + (py - y) * dy));
+  return { x: x + dx * reach, y: y + dy * reach, dx, dy };
+}
+
 export class HandGrowth {
   /**
    * pattern : the drawing of the crease pattern, on whose sides strips are grown.
@@ -60,7 +71,7 @@ export class HandGrowth {
   /** Take a job that was opened; design : its table; strips : those that it was not given yet. */
   open(design, strips) {
     this.grown = design.kind === KIND;
-    this.pattern.margin = this.grown ? 0.1 : 0.02;
+    this.pattern.margin = this.grown ? 0.15 : 0.02;
     const given = this.grown ? (strips ?? design.strips ?? []) : []; // others count theirs
     this.strips = given.map((strip) => ({ ...strip }));
     this.taken = []; // strips that were undone, the last one first
@@ -306,7 +317,10 @@ export class HandGrowth {
       if (crease !== undefined) path([front[crease], row[crease]], "crease");
     }
     for (const [side, { vertices, why }] of Object.entries(this.sides)) {
-      if (why || !known(vertices)) continue;
+      if (!known(vertices)) continue;
+      const outward = beside(vertices.map(at));
+      if (side === SIDES[0]) this.#arrange(outward);
+      if (why) continue;
       const hit = path(vertices, "side");
       hit.dataset.side = side;
       const title = document.createElementNS(SVG, "title");
@@ -314,22 +328,23 @@ export class HandGrowth {
       hit.append(title);
       hit.addEventListener("pointerdown", (event) => event.stopPropagation());
       hit.addEventListener("click", () => this.add(side));
-      this.#name(side, vertices.map(at), data);
+      this.#name(side, outward, data);
     }
   }
 
+  /** Put the buttons where their sides are in the drawing; outward : from the first one. */
+  #arrange({ dx, dy }) {
+    const turns = Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 1 : 3) : dy < 0 ? 0 : 2;
+    SIDES.forEach((side, n) => (find(`.sides [data-side="${side}"]`).dataset.place = SIDES[(n + turns) % 4]));
+  }
+
   /** The name of a side, beside its middle. */
-  #name(side, points, { coords }) {
+  #name(side, { x, y, dx, dy }, { coords }) {
     const text = document.createElementNS(SVG, "text");
     const wide = coords.reduce((most, value) => Math.max(most, value), 0);
-    // a side runs with its sheet on the right, seen in the drawing with y downwards
-    const [[x0, y0], [x1, y1]] = [points[0], points.at(-1)];
-    const long = Math.hypot(x1 - x0, y1 - y0) || 1;
-    const [dx, dy] = [(y1 - y0) / long, (x0 - x1) / long];
-    const [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2];
-    const reach = Math.max(...points.map(([px, py]) => (px - x) * dx + (py - y) * dy)) + 0.04 * wide;
-    text.setAttribute("x", x + dx * reach);
-    text.setAttribute("y", y + dy * reach);
+    text.setAttribute("x", x + 0.03 * wide * dx);
+    text.setAttribute("y", y + 0.03 * wide * dy);
+    text.style.textAnchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
     text.setAttribute("font-size", 0.03 * wide);
     text.textContent = side;
     this.over.append(text);
