@@ -91,7 +91,7 @@ def test_sheets_are_made_of_stock_of_the_folder(page, folder):
     assert frame.locator("section[aria-labelledby=sheet-1] path").count() > 2
     page.locator("#copies").fill("0")
     page.locator("#make").click()
-    wait_until(page, lambda: "copies = 0" in notice(page))
+    wait_until(page, lambda: "copies = 0" in page.locator("#made").text_content())
     assert page.locator("#make").is_enabled()
 
 

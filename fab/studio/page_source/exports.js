@@ -8,10 +8,9 @@ const USUAL = ["card_300gsm", "co2_60w_600x400"]; // chosen at first
 const find = (selector) => document.querySelector(selector);
 
 export class Exports {
-  /** source : says what files are made of, { text } or { file }; notice : takes what went wrong. */
-  constructor(source, notice) {
+  /** source : says what files are made of, { text } or { file }. */
+  constructor(source) {
     this.source = source;
-    this.notice = notice;
     this.busy = this.allowed = false;
     for (const radio of document.querySelectorAll("input[name=command]")) {
       radio.addEventListener("change", () => this.#choose());
@@ -43,7 +42,7 @@ export class Exports {
 
   #forget() {
     this.key = undefined;
-    find("#made").textContent = "";
+    say("");
     find("#made-files").replaceChildren();
     find("#made-of").hidden = find("#result").hidden = true;
     find("#result iframe").removeAttribute("src");
@@ -72,9 +71,9 @@ export class Exports {
     this.#setBusy(true);
     const answer = await ask("make", { ...source, command: this.command, ...this.#request() });
     this.#setBusy(false);
-    this.notice(answer.refused ?? answer.lost ?? "");
-    if (answer.stopped) find("#made").textContent = "Cancelled: no file was made.";
     if (answer.key) this.#show(answer);
+    else if (answer.stopped) say("Cancelled: no file was made.");
+    else say(answer.refused ?? answer.lost, true);
   }
 
   #setBusy(busy) {
@@ -105,7 +104,7 @@ export class Exports {
     this.key = key;
     const place = `made/${key}/`;
     const errors = sound ? "" : ", with findings that are errors";
-    find("#made").textContent = `made ${count(files.length, "file")}${errors}`;
+    say(`made ${count(files.length, "file")}${errors}`);
     const items = files.map(([file, bytes]) => {
       const item = document.createElement("li");
       item.append(loading(place + encodeURIComponent(file), file), ` ${size(bytes)}`);
@@ -128,9 +127,14 @@ export class Exports {
 
   async #keep() {
     const answer = await ask("keep", { key: this.key, into: find("#into").value });
-    this.notice(answer.refused ?? answer.lost ?? "");
-    if (answer.into) find("#made").textContent = `wrote into ${answer.into}`;
+    if (answer.into) say(`wrote into ${answer.into}`);
+    else say(answer.refused ?? answer.lost, true);
   }
+}
+
+function say(text, wrong = false) {
+  find("#made").textContent = text;
+  find("#made").className = wrong ? "verdict error" : "";
 }
 
 /** Choices of a select, those of the folder apart; the one that is chosen stays. */

@@ -15,7 +15,7 @@ const find = (selector) => document.querySelector(selector);
 const start = await (await fetch("start")).json();
 const pattern = new LivePattern(find("#pattern"), start.colours.edges);
 const queue = new Newest(show);
-const files = new Exports(() => (job ? { text: job.text } : { file: sheet.source.file }), notice);
+const files = new Exports(() => (job ? { text: job.text } : { file: sheet.source.file }));
 const hand = new HandGrowth({
   pattern,
   notice,
