@@ -26,6 +26,9 @@ __all__ = ["Bounds", "FaceMeasures", "Goals", "PanelRoom", "face_measures"]
 _MET = 1e-9
 # Soft terms aim beyond bounds by this many times what is missed, and by this share of the bound.
 _FARTHER, _SAFE = 1.1, 0.005
+# A bound of which half of the faces have less than this share is out of reach; one that is missed
+# by the second share of it after relaxing is far.
+_HALFWAY, _MUCH = 0.7, 0.4
 # They hold alike panels to no less than this share of what they may differ by.
 _CLOSEST = 0.5
 
@@ -99,6 +102,25 @@ class Bounds:
             0.0 if self.alike is None else _excess(self.alike.within, reached.unlike),
         ]
         return np.array([0.0 if lack <= _MET else lack for lack in lacks])
+
+    def far(self, reached: FaceMeasures) -> bool:
+        """Whether any of these but that of alike panels is missed by much: other cells are needed.
+
+        By the sheet, or even by half of its faces.
+        """
+        return bool((self.misses(reached)[:5] > _MUCH).any()) or self.out_of_reach(reached)
+
+    def out_of_reach(self, reached: FaceMeasures) -> bool:
+        """Whether half of the faces are far from a bound of length: only fewer faces are larger."""
+        of_panels = 0.0 if self.panels is None else self.panels.radius
+        return any(
+            np.median(values) < _HALFWAY * bound
+            for bound, values in (
+                (self.least_side, reached.side),
+                (self.least_inradius, reached.inradius),
+                (of_panels, reached.room),
+            )
+        )
 
     def fine(self, reached: FaceMeasures) -> BoolArray:
         """Whether each face is within the bounds, except that of folds, shape (nf,)."""

@@ -51,6 +51,7 @@ def relaxed_fit(
     turn: float | None = None,
     rigid: bool = False,
     goals: Goals | None = None,
+    nearest: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Growth:
     """Sheets relaxed onto a surface, as many as it needs, joined in one mesh.
@@ -64,6 +65,7 @@ def relaxed_fit(
     rigid : whether sheets fold rigidly, and flat; they are then as near to their offsets as that
         allows, and a surface that is not closed gets a single one.
     goals : bounds that are wanted of the sheets; they come as near as they can.
+    nearest : whether the good sheet nearest to the surface is taken, not that with wide sectors.
     progress : called with the number of settings tried and about how many there are.
 
     A noisy mesh is smoothed first by as much as its noise wants (`smoothing_length`);
@@ -94,6 +96,7 @@ def relaxed_fit(
         wishes=Wishes(rigid=rigid),
         goals=goals,
         most_sheets=1 if rigid and mesh.kind is not MeshKind.SPHERE else MOST_SHEETS,
+        nearest=nearest,
         progress=progress,
     )
     growth = _told(found, columns, smoothing, rigid)
@@ -132,11 +135,19 @@ def resolved_fit(
     growth = found.sheet
     if found.held or growth.status is not Status.GROWN:
         return growth
-    reached = found.sizes[found.columns]
+    tried = "sheet tried has" if len(found.sizes) == 1 else "sheets tried have"
     advice = (
-        f"Of {len(found.sizes)} sheets tried that of {found.columns} columns comes nearest to "
-        f"{name} = {bound:g}, with {reached:.4g}. Allow that, or give columns."
+        f"{name} = {bound:g} is not reached: {len(found.sizes)} {tried} "
+        f"{min(found.sizes.values()):.4g} at least, at {found.columns} columns."
     )
+    if found.needed is None:
+        advice += " Allow that, or give columns."
+    else:
+        within = found.sizes[found.columns] * found.columns / MOST_COLUMNS
+        advice += (
+            f" About {found.needed} columns would be needed, and {MOST_COLUMNS} is the most: allow "
+            f"about {within:.2g}, or give columns."
+        )
     return replace(growth, status=Status.NOT_FITTED, advice=advice)
 
 

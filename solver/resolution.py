@@ -16,6 +16,8 @@ _MOST_TRIALS = 5
 _NEAR = 0.92
 # More columns than a guess has, as a factor: they are to keep the bound.
 _SAFE = 1.01
+# So many times as many as at first are tried before it is said that no sheet is fine enough.
+_FINER = 4
 
 
 @dataclass(frozen=True)
@@ -26,12 +28,14 @@ class Resolution(Generic[Sheet]):
     ----------
     sheet, columns : that one. sizes : what was found of each number of columns tried, in turn.
     held : whether the sheet is as fine as wanted.
+    needed : columns with which it would be, by those tried; None where it is, or some were tried.
     """
 
     sheet: Sheet
     columns: int
     sizes: dict[int, float]
     held: bool
+    needed: int | None = None
 
 
 def fewest_columns(
@@ -47,7 +51,8 @@ def fewest_columns(
 
     made : the sheet of so many columns. size : of a sheet, about as small as columns are many.
     first, least, most : columns to begin with, and their bounds. Where no sheet is fine enough, it
-    is the finest of those tried.
+    is the finest of those tried; sheets of more than four times as many columns as at first are not
+    made where even `most` of them would be too few by the sizes of others.
 
     >>> found = fewest_columns(lambda n: n, lambda n: 10.0 / n, 0.3, first=12, least=4, most=400)
     >>> found.columns, found.held, list(found.sizes)
@@ -55,7 +60,7 @@ def fewest_columns(
     """
     sheets: dict[int, Sheet] = {}
     sizes: dict[int, float] = {}
-    columns = first
+    columns, needed = first, None
     while True:
         sheets[columns] = made(columns)
         sizes[columns] = size(sheets[columns])
@@ -68,9 +73,16 @@ def fewest_columns(
         close = bool(fine) and sizes[min(fine)] >= _NEAR * bound
         if close or low > high or len(sizes) == _MOST_TRIALS:
             break
-        columns = min(max(_guess(sizes, bound), low), high)
+        guess = _guess(sizes, bound)
+        if guess > most and not fine:
+            finer = min(_FINER * first, most)
+            if max(sizes) >= finer:
+                needed = guess
+                break
+            guess = finer
+        columns = min(max(guess, low), high)
     best = min(fine) if fine else min(sizes, key=lambda n: sizes[n])
-    return Resolution(sheets[best], best, sizes, bool(fine))
+    return Resolution(sheets[best], best, sizes, bool(fine), needed)
 
 
 def _guess(sizes: dict[int, float], bound: float) -> int:

@@ -111,7 +111,8 @@ class SurfaceSheet:
         (n,); positive on the side of its normals.
     coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
     least_sector : smallest sector angle, radians.
-    missed : by how much goals are missed, shares of their bounds summed up.
+    missed : by how much goals are missed, shares of their bounds summed up. far : whether by so
+        much that sheets of other cells are hardly nearer.
     step : unit of the cell. pleats, turn : what was chosen.
     distance : the largest one of a vertex from the surface, in its units.
     """
@@ -130,6 +131,7 @@ class SurfaceSheet:
     turn: float
     distance: float
     missed: float = 0.0
+    far: bool = False
 
     @property
     def good(self) -> bool:
@@ -190,6 +192,7 @@ def surface_sheets(
     wishes: Wishes | None = None,
     goals: Goals | None = None,
     most_sheets: int = MOST_SHEETS,
+    nearest: bool = False,
     progress: Callable[[int, int], None] | None = None,
     interrupted: Callable[[], bool] | None = None,
 ) -> SurfaceSheets:
@@ -203,6 +206,7 @@ def surface_sheets(
     wishes : soft terms; None for the usual ones. goals : of makers: sheets are relaxed towards
         them, and among good ones those that miss them least are preferred.
     most_sheets : 1 for one that is not halved, good or not.
+    nearest : whether of good sheets that nearest to the surface is preferred.
     progress : called with the number of settings tried and about how many there are.
     interrupted : asked between rounds; once it is true the best so far is returned.
 
@@ -225,7 +229,14 @@ def surface_sheets(
         )
     require_count("most_sheets", most_sheets, 1, "The surface needs one.")
     search = _Search(
-        tuple(pleats), tuple(turns), wishes or Wishes(), goals, mesh, progress, interrupted
+        tuple(pleats),
+        tuple(turns),
+        wishes or Wishes(),
+        goals,
+        mesh,
+        progress,
+        interrupted,
+        nearest,
     )
     sheets = tuple(search.sheets_of(mesh, columns, most_sheets))
     target = MeshTarget(mesh)
@@ -247,6 +258,7 @@ class _Search:
     whole: SurfaceMesh
     progress: Callable[[int, int], None] | None
     interrupted: Callable[[], bool] | None
+    nearest: bool = False
     surfaces: int = 1  # whole ones and parts that are known to be looked at
     begun: int = 0
     tried: int = 0  # settings, of the last one begun
@@ -297,8 +309,7 @@ class _Search:
             for pleats, turn in self._settings(lay):
                 sheet = self._tried(lay, few, pleats, turn, columns)
                 if sheet is not None:
-                    worth = -sheet.off if self.wishes.rigid else sheet.least_sector
-                    ranked.append((sheet.faults, sheet.missed, -worth, sheet, lay))
+                    ranked.append((sheet.faults, sheet.missed, self._rank(sheet), sheet, lay))
                 if self._stopped() or _enough(ranked):
                     break
             if any(r[0] == 0 for r in ranked):
@@ -314,6 +325,12 @@ class _Search:
             if self._stopped() or any(one.good and not one.missed for one in found):
                 break
         return min(found, key=lambda one: (one.faults, one.missed), default=None)
+
+    def _rank(self, sheet: SurfaceSheet) -> float:
+        """What is least of the best among good sheets."""
+        if self.wishes.rigid:
+            return sheet.off
+        return sheet.distance if self.nearest else -sheet.least_sector
 
     def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
         # around a tube small zigzags reach furthest
@@ -420,7 +437,7 @@ class _Search:
         best, wanted, reached = self._judged(best, goals, larger)
         share = 1.0
         for _ in range(_GOAL_ROUNDS):
-            if not best.missed or self._stopped():
+            if not best.missed or wanted.out_of_reach(reached) or self._stopped():
                 break
             aim = wanted.beyond(reached, aim, share).with_templates(at, laid.sheet.faces_vertices)
             found, coords = self._relaxed(laid, aim, at, wanted)
@@ -445,7 +462,8 @@ class _Search:
             return replace(sheet, missed=np.inf), goals.bounds, measures
         wanted = goals.of(sheet.mesh, folded, larger)
         measures = wanted.measures(coords, sheet.mesh.faces_vertices)
-        return replace(sheet, missed=float(wanted.misses(measures).sum())), wanted, measures
+        missed, far = float(wanted.misses(measures).sum()), wanted.far(measures)
+        return replace(sheet, missed=missed, far=far), wanted, measures
 
     def matched(
         self, target: MeshTarget, sheets: tuple[SurfaceSheet, ...]
@@ -500,9 +518,12 @@ class _Search:
 
 
 def _enough(ranked: Sequence[tuple[float, float, float, SurfaceSheet, _Lay]]) -> bool:
-    """Whether there are good sheets enough to choose from, within the goals or at all."""
-    missed = [of_goals for faults, of_goals, *_ in ranked if faults == 0]
-    return missed.count(0.0) >= _CHOICES or len(missed) >= _MOST_CHOICES
+    """Whether there are good sheets enough to choose from, within the goals, far from them, or at
+    all.
+    """
+    good = [sheet for faults, _, _, sheet, _ in ranked if faults == 0]
+    enough = len(good) >= _CHOICES and all(sheet.far for sheet in good)
+    return enough or len(good) >= _MOST_CHOICES or [s.missed for s in good].count(0.0) >= _CHOICES
 
 
 def _rims(sheets: Sequence[SurfaceSheet]) -> list[RimSheet]:

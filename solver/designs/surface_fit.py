@@ -225,6 +225,7 @@ class SurfaceFit:
                 turn=self.turn,
                 rigid=self.rigid,
                 goals=self.goals,
+                nearest=self.deviation is not None,
                 progress=progress,
             )
 

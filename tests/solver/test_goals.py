@@ -182,6 +182,23 @@ def test_misses_are_shares_of_bounds():
     assert not Bounds().misses(found).any()
 
 
+def test_bounds_that_half_of_the_faces_are_far_from_are_out_of_reach():
+    mesh = Miura(columns=4, rows=3).grow().mesh
+    found = face_measures(mesh.vertices_coords, mesh.faces_vertices, room(0.1))
+    side, space = float(np.median(found.side)), float(np.median(found.room))
+    near = Bounds(least_side=1.4 * side, least_sector=1.5, panels=room(1.4 * space))
+    assert not near.out_of_reach(found)
+    for bounds in (
+        Bounds(least_side=1.5 * side),
+        Bounds(least_inradius=1.5 * float(np.median(found.inradius))),
+        Bounds(panels=room(1.5 * space)),
+    ):
+        assert bounds.out_of_reach(found)
+        assert bounds.far(found)
+    assert not Bounds(least_side=1.2 * side).far(found)
+    assert Bounds(most_fold=np.pi / 8).far(found)
+
+
 def test_panels_that_differ_from_their_templates_are_missed_and_aimed_at():
     coords = np.array([[0.0, 0, 0], [2, 0, 0], [5, 0, 0], [0, 2, 0], [2, 2, 0], [5, 2, 0]])
     faces = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from surface_meshes import cap, mesh_of
+from surface_meshes import cap, grid, mesh_of
 
 from solver import Status
 from solver.relaxed_fit import relaxed_fit, resolved_fit
@@ -21,10 +21,13 @@ def test_few_trials_find_columns_that_are_fine_enough_and_not_too_fine(power, bo
     assert len(found.sizes) <= 5
     assert found.sheet == found.columns
     least = int(np.ceil((10.0 / bound) ** (1 / power)))
-    if least > 400:
+    if least > 400:  # which is seen without making a sheet of so many
         assert not found.held
-        assert found.columns == 400
+        assert list(found.sizes) == [14, 56]
+        assert found.columns == 56
+        assert found.needed == pytest.approx(least, rel=0.02)
     else:
+        assert found.needed is None
         assert found.held
         assert size(found.columns) <= bound
         assert found.columns <= max(4, np.ceil(1.3 * least))
@@ -59,7 +62,19 @@ def test_sheets_are_as_fine_as_wanted(wanted):
     assert growth.chosen["columns"] in trials
     fine = resolved_fit(lambda columns: growth, unit=unit, cell=1e-6)
     assert fine.status is Status.NOT_FITTED
-    assert "nearest to cell = 1e-06" in fine.advice
+    assert "cell = 1e-06 is not reached: 2 sheets tried have" in fine.advice
+    assert "columns would be needed, and 400 is the most: allow about" in fine.advice
+
+
+def test_the_direction_with_the_fewest_columns_is_taken_for_a_distance():
+    """Across the shorter side of a long roof, the same columns are much finer."""
+    roof = mesh_of(grid(lambda u, v: (3 * u, v, 0.2 * (1 - v * v)), 36, 12))
+    given = {"zigzag": 1.0, "row_step": 1.0}
+    wide = [relaxed_fit(roof, 8, **given, turn=turn).distance for turn in (np.pi / 2, 0.0)]
+    assert max(wide) > 2 * min(wide)
+    nearest = relaxed_fit(roof, 8, **given, nearest=True)
+    assert nearest.status is Status.GROWN
+    assert nearest.distance == min(wide)
 
 
 def test_the_distance_from_the_surface_is_half_the_thickness_and_the_deviation():

@@ -10,6 +10,7 @@ from solver import InvalidState, InvalidValue, QuadMesh, Status, developability,
 from solver.designs import SurfaceFit
 from solver.goals import Bounds, Goals
 from solver.relaxation.laying import Pleats, laid_patch, laid_tube
+from solver.relaxation.sheet_fit import relaxed_sheet
 from solver.relaxed_fit import joined, relaxed_fit, sampled
 from solver.self_intersection import crossing_faces
 from solver.surface_maps import cylinder_map, disc_map
@@ -322,6 +323,26 @@ def test_a_sheet_comes_within_the_goals_of_its_maker(bounds):
         measures = wanted.measures(sheet.mesh.vertices_coords, sheet.mesh.faces_vertices)
         assert wanted.misses(measures).any() == missed
     assert held.missed == 0
+
+
+@pytest.mark.parametrize("bounds", [Bounds(least_side=2.0), Bounds(least_inradius=0.7)])
+def test_lengths_that_no_face_has_room_for_cost_no_further_relaxation(bounds, monkeypatch):
+    """The whole dome is as wide."""
+    done = []
+
+    def counted(*arguments, **named):
+        done.append(0)
+        return relaxed_sheet(*arguments, **named)
+
+    monkeypatch.setattr("solver.surface_sheets.relaxed_sheet", counted)
+    mesh = mesh_of(cap(np.pi / 4, 12, 36))
+    surface_sheets(mesh, 8)
+    without = len(done)
+    (sheet,) = surface_sheets(mesh, 8, goals=Goals(bounds)).sheets
+    assert sheet.good
+    assert sheet.far
+    assert sheet.missed > 0.4
+    assert len(done) == 2 * without
 
 
 def test_goals_that_cannot_be_reached_are_missed_by_a_stated_share():
