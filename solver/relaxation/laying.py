@@ -33,6 +33,8 @@ _NEAR_RIM = 1.0
 _SHARE = 0.04
 # Points along either direction of a cell at which it is seen whether it is over the surface.
 _WITHIN = (np.arange(6) + 0.5) / 6
+# Cells that are looked at together: places of points within all of them would take gigabytes.
+_AT_ONCE = 4000
 _LONGEST = 1000.0
 
 
@@ -175,9 +177,12 @@ def _over(target: MeshTarget, sheet: PleatedSheet) -> BoolArray:
     corners = sheet.uv[sheet.faces_vertices]
     s, t = (a.reshape(-1, 1) for a in np.meshgrid(_WITHIN, _WITHIN))
     weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
-    within = np.einsum("kpq,fkd->fpd", weights, corners).reshape(-1, 2)
-    places = target.places(within)
-    share = target.inside(places).reshape(len(corners), -1).mean(axis=1)
+    share = np.empty(len(corners))
+    for first in range(0, len(corners), _AT_ONCE):
+        block = slice(first, first + _AT_ONCE)
+        within = np.einsum("kpq,fkd->fpd", weights, corners[block])
+        inside = target.inside(target.places(within.reshape(-1, 2)))
+        share[block] = inside.reshape(len(within), -1).mean(axis=1)
     over: BoolArray = (share > _SHARE).reshape(rows - 1, columns - 1)
     if not over.any():
         raise InvalidState("columns", "no cell is over the surface", "Ask for more columns.")

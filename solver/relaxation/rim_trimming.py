@@ -28,6 +28,8 @@ __all__ = ["shares_over", "trimmed", "trimmings"]
 
 # Points along either direction of a face at which it is seen whether it is over the surface.
 _WITHIN = (np.arange(8) + 0.5) / 8
+# Faces that are looked at together.
+_AT_ONCE = 4000
 # Faces with less than this share over the surface may be dropped, together this share of the whole.
 _SLIVER = 0.2
 _MAY_MISS = 0.003
@@ -44,8 +46,13 @@ def shares_over(target: MeshTarget, coords: FloatArray, faces_vertices: IntArray
     """Which share of each face is over the surface and not beyond its rim, shape (nf,)."""
     s, t = (a.reshape(-1, 1) for a in np.meshgrid(_WITHIN, _WITHIN))
     weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
-    within = np.einsum("kpq,fkd->fpd", weights, coords[faces_vertices])
-    return np.asarray(_over(target, within.reshape(-1, 3)).reshape(within.shape[:2]).mean(axis=1))
+    share = np.empty(len(faces_vertices))
+    for first in range(0, len(faces_vertices), _AT_ONCE):
+        block = slice(first, first + _AT_ONCE)
+        within = np.einsum("kpq,fkd->fpd", weights, coords[faces_vertices[block]])
+        over = _over(target, within.reshape(-1, 3))
+        share[block] = over.reshape(within.shape[:2]).mean(axis=1)
+    return share
 
 
 def trimmed(

@@ -138,7 +138,7 @@ def relaxed_sheet(
             )
             coarse_rounds = coarse.coarse_rounds + coarse.relaxation.rounds
             start = prolonged(half, coarse.relaxation.coords, sheet, target)
-    hard, soft = sheet_terms(target, sheet, wishes, held, rim)
+    hard, soft = sheet_terms(target, sheet, wishes, held, rim, start)
     done = relax(
         start,
         hard,
@@ -157,10 +157,11 @@ def sheet_terms(
     wishes: Wishes,
     held: BoolArray | None = None,
     rim: RimReach | None = None,
+    start: FloatArray | None = None,
 ) -> tuple[list[Term], list[Soft]]:
     """Hard and soft terms of a sheet on a surface; the first soft one is that of its offsets.
 
-    held, rim : see `relaxed_sheet`.
+    held, rim, start : see `relaxed_sheet`; fold angles are followed from those at the start.
     """
     first = sheet.points(target)
     faces, count = sheet.faces_vertices, len(first)
@@ -193,7 +194,8 @@ def sheet_terms(
         soft.append(Soft(_rim(sheet, first) if rim is None else rim, wishes.rim))
     most = np.pi if wishes.most_fold is None else wishes.most_fold
     if min(most, bounds.most_fold) < np.pi:
-        term = FoldBounds.of(faces, first, min(most, bounds.most_fold))
+        begun = first if start is None else start
+        term = FoldBounds.of(faces, begun, min(most, bounds.most_fold))
         soft.append(Soft(term, wishes.fold))
     if bounds.least_sector:
         soft.append(Soft(LeastSectors.of(faces, bounds.least_sector), wishes.bound))

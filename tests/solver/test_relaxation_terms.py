@@ -1,10 +1,12 @@
 """Terms of relaxation: their gradients, and what they measure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from relaxed_surfaces import Sphere
+from relaxed_surfaces import Sphere, bump_sheet
 
 from solver import Miura, QuadMesh, developability, planarity
 from solver.hinge_angles import hinge_angles
@@ -20,6 +22,7 @@ from solver.relaxation import (
     SurfaceOffsets,
 )
 from solver.relaxation.neighbours import opposite_pairs, sides, vertex_rings
+from solver.relaxation.sheet_fit import Wishes, sheet_terms
 
 seeds = st.integers(0, 2**32 - 1)
 # A corner of a cube: three faces around a vertex, each beside two others.
@@ -169,3 +172,15 @@ def test_fold_angles_are_followed_through_all_turns():
         bound = linear.term
         over.append(float(np.degrees(linear.values[0])))
     assert over == pytest.approx([max(0, abs(turn) - 160) for turn in range(30, -331, -15)])
+
+
+def test_folds_are_followed_from_where_a_relaxation_begins():
+    """Though the pleats have been turned inside out since they were laid."""
+    surface, sheet = bump_sheet(0.3, 10)
+    laid = sheet.points(surface)
+    inside_out = replace(sheet, swing=-sheet.swing).points(surface)
+    for start in (None, inside_out):
+        _, soft = sheet_terms(surface, sheet, Wishes(), start=start)
+        (folds,) = [wish.term for wish in soft if isinstance(wish.term, FoldBounds)]
+        begun = hinge_angles(laid if start is None else start, folds.vertices)
+        np.testing.assert_array_equal(folds.angles, begun)

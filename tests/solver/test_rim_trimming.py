@@ -3,6 +3,8 @@
 Also what it rests on: faces left out of grids, and neighbours across concave corners.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from surface_meshes import cap, disc, grid, mesh_of
@@ -220,3 +222,16 @@ def test_trimming_ends_where_a_cell_is_kept_only_to_join_others():
     sheet = flat_sheet(4, 4, (0, 3), (0, 3))
     made = trimmed(MeshTarget(mesh), sheet, most_beyond=0.5, may_fall=0.5)
     assert len(made.faces_vertices) == 8
+
+
+def test_faces_and_cells_are_looked_at_in_blocks_of_any_size(monkeypatch):
+    mesh = mesh_of(cap(np.pi / 4, 8, 24))
+    target = MeshTarget(mesh, disc_map(mesh))
+    whole = laid_patch(target, 10, Pleats())
+    coords, faces = whole.points(target), replace(whole, kept=None).faces_vertices
+    share = shares_over(target, coords, faces)
+    assert 0 < share.mean() < 1
+    for module in ("laying", "rim_trimming"):
+        monkeypatch.setattr(f"solver.relaxation.{module}._AT_ONCE", 7)
+    np.testing.assert_array_equal(shares_over(target, coords, faces), share)
+    np.testing.assert_array_equal(laid_patch(target, 10, Pleats()).kept, whole.kept)
