@@ -10,6 +10,7 @@ which grows another sheet. Bounds hold on 2 cores with nothing else to do.
 import statistics
 
 import pytest
+from browser import opened
 from studio_pages import Served, studio_tab, verdict, wait_until
 from thick_sheets import miura_pattern
 
@@ -77,13 +78,11 @@ def test_the_fold_slider_of_a_result_page(benchmark, browser, tmp_path, size, sh
     else:
         data = page_bytes(ResultPage("m", "bench", predicted_scene(pattern, "m"), {}))
     (tmp_path / "m.html").write_bytes(data)
-    page = browser.new_page(viewport={"width": 1280, "height": 900})
-    page.goto((tmp_path / "m.html").as_uri())
-    page.locator("canvas").wait_for()
-    if shown == "panels":
-        page.get_by_label("panels", exact=True).check()
-    measured(benchmark, page, FOLDED, shares(), size, f"fold slider, {shown}")
-    page.close()
+    with opened(browser, tmp_path / "m.html", viewport={"width": 1280, "height": 900}) as found:
+        if shown == "panels":
+            found.page.get_by_label("panels", exact=True).check()
+        measured(benchmark, found.page, FOLDED, shares(), size, f"fold slider, {shown}")
+        assert found.complaints == []
 
 
 @pytest.mark.parametrize("size", SIZES)

@@ -41,8 +41,10 @@ def main() -> int:
     parser.add_argument("--sets", type=int, default=1000, help="of each design")
     parser.add_argument("--seconds", type=float, default=1800)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("designs", nargs="*", help="such as surface_fit; all where none is named")
     arguments = parser.parse_args()
-    share = arguments.seconds / (1 + len(designs()))  # for messages, and for each design
+    chosen = {kind: designs()[kind] for kind in arguments.designs or designs()}
+    share = arguments.seconds / (1 + len(chosen))  # for messages, and for each design
     faults: list[str] = []
     with tempfile.TemporaryDirectory() as outside:
         folder = Path(outside) / "studio"
@@ -60,7 +62,7 @@ def main() -> int:
             if around(folder) != before:
                 faults.append("a file outside the folder has changed")
             tried = Designs(client)
-            for kind, template in designs().items():
+            for kind, template in chosen.items():
                 outcomes = (
                     tried.grown(template, generator)
                     for generator in numbered(arguments.seed, arguments.sets)

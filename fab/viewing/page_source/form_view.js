@@ -27,18 +27,31 @@ import { between, boxMiddle, sheetStates } from "./states.js";
 const FIELD_DEG = 35;
 const TURN_RAD = Math.PI / 24;
 const ZOOM = 1.2;
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+const MOST_SMOOTH = 10_000; // triangles whose rims software smooths in good time
 const FRAME = 1.06; // a margin around what is shown
 
-let drawing; // whether it does: a browser has few contexts, so that it is asked once
+let drawer; // what draws, empty where nothing does: a browser has few contexts, so that it is asked once
 
 /** Whether the browser draws in space at all. */
 export function canDraw() {
+  drawer ??= drawerName();
+  return drawer !== "";
+}
+
+/** Whether the processor draws, for want of a graphics card. */
+function drawsBySoftware() {
+  return canDraw() && SOFTWARE.test(drawer);
+}
+
+function drawerName() {
   try {
-    drawing ??= document.createElement("canvas").getContext("webgl2") !== null;
+    const gl = document.createElement("canvas").getContext("webgl2");
+    const names = gl?.getExtension("WEBGL_debug_renderer_info");
+    return gl ? String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
   } catch {
-    drawing = false;
+    return "";
   }
-  return drawing;
 }
 
 /** One thing that folds: its states, and what is drawn of them. */
@@ -237,6 +250,10 @@ function distances(states, middle, axes, aspect) {
   });
 }
 
+function triangleCount({ sheet, bodies }) {
+  return Math.max(sheet ? sheet.triangles.length : 0, bodies ? bodies.triangles.length : 0) / 3;
+}
+
 /** What is drawn on a canvas; `forms` says which of "sheet" and "panels" there are. */
 export class FormView {
   constructor(canvas, data) {
@@ -244,7 +261,8 @@ export class FormView {
     this.forms = {};
     if (data.sheet) this.forms.sheet = sheetForm(data);
     if (data.bodies) this.forms.panels = bodyForm(data);
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    const many = triangleCount(data) > MOST_SMOOTH;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !(many && drawsBySoftware()) });
     this.camera = new PerspectiveCamera(FIELD_DEG, 1, 1, 1000);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
