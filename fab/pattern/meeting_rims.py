@@ -10,12 +10,14 @@ import numpy as np
 from fab.pattern.crease_pattern import CreasePattern
 from solver.graphs import labels
 from solver.nearest_pairs import nearest_pairs
-from solver.vectors import BoolArray, FloatArray, IntArray, norm
+from solver.vectors import BoolArray, FloatArray, IntArray, dot, norm
 
 __all__ = ["MeetingRims", "meeting_rims"]
 
 # Vertices farther apart than this share of the mean length of edges of the rims do not meet.
 _REACH = 0.6
+# Those that are nearer than so many of it to a rim of another sheet are along the seam.
+_ALONG = 2.0
 # Vertices nearer than this share of it are one point.
 _SAME = 1e-6
 
@@ -33,7 +35,8 @@ class MeetingRims:
     sheets : numbers of their sheets, from 0, shape (n, 2).
     gaps_mm : distances of both in the folded form, shape (n,).
     edges : of the rim of either sheet, beside the vertices, that face each other, shape (n, 2).
-    rim_vertices : how many there are at all rims that meet.
+    rim_gaps_mm : distances of all vertices along the seam, those between pairs too, from rims of
+        other sheets in the folded form, shape (k,).
     edge_mm : mean length of edges of the rims.
     """
 
@@ -41,7 +44,7 @@ class MeetingRims:
     sheets: IntArray
     gaps_mm: FloatArray
     edges: IntArray
-    rim_vertices: int
+    rim_gaps_mm: FloatArray
     edge_mm: float
 
     @property
@@ -61,9 +64,10 @@ class MeetingRims:
         return {
             "points": len(self.vertices),
             "points_touching": int(self.touching.sum()),
-            "rim_vertices": self.rim_vertices,
-            "gap_mean_mm": float(self.gaps_mm.mean()),
-            "gap_max_mm": float(self.gaps_mm.max()),
+            "points_gap_max_mm": float(self.gaps_mm.max()),
+            "rim_vertices": len(self.rim_gaps_mm),
+            "rim_gap_mean_mm": float(self.rim_gaps_mm.mean()),
+            "rim_gap_max_mm": float(self.rim_gaps_mm.max()),
             "numbers": [
                 {"number": k, "sheets": [a + 1, b + 1], "vertices": both, "gap_mm": gap}
                 for k, (both, (a, b), gap) in enumerate(rows, 1)
@@ -100,9 +104,27 @@ def meeting_rims(pattern: CreasePattern) -> MeetingRims | None:
         norm(folded[vertices[:, 1]] - folded[vertices[:, 0]]),
         # faces are to the left of both rims, so that they run against each other
         np.column_stack([border[first[pairs[:, 0]]], border[last[pairs[:, 1]]]]),
-        int(np.isin(sheet, sheet[pairs]).sum()),
+        _rim_gaps(folded[begins], folded[ends], sheet, piece, _ALONG * length),
         length,
     )
+
+
+def _rim_gaps(
+    points: FloatArray, ends: FloatArray, sheet: IntArray, piece: IntArray, reach: float
+) -> FloatArray:
+    """Distances of points from edges of other sheets, of those within reach.
+
+    points, sheet : shapes (n, 3) and (n,). ends, piece : of the edges, (m, 2, 3) and (m,).
+    """
+    start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
+    out = []
+    for point, own in zip(points, sheet.tolist(), strict=True):
+        others = piece != own
+        share = dot(point - start[others], along[others]) / dot(along[others], along[others])
+        foot = start[others] + np.clip(share, 0, 1)[:, None] * along[others]
+        out.append(float(norm(point - foot).min()))
+    gaps = np.array(out)
+    return gaps[gaps <= reach]
 
 
 def _places(following: IntArray, partner: IntArray) -> IntArray:

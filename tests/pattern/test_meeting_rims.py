@@ -58,20 +58,35 @@ def test_vertices_of_two_rims_are_numbered_one_after_another(gap):
 def test_sheets_are_glued_to_those_before_them():
     found = meeting_rims(strips(0.0, 2, 2, 2))
     assert found.sheets.tolist() == [[0, 1]] * 7 + [[1, 2]] * 7
-    assert found.rim_vertices == 3 * 16
     report = found.report()
     assert [row["number"] for row in report["numbers"]] == list(range(1, 15))
     assert report["numbers"][7]["sheets"] == [2, 3]
-    assert (report["points"], report["points_touching"], report["gap_max_mm"]) == (14, 14, 0.0)
+    assert (report["points"], report["points_touching"]) == (14, 14)
+    assert report["points_gap_max_mm"] == 0
 
 
 def test_findings_say_how_far_rims_are_apart():
     (finding,) = seam_findings(meeting_rims(strips(0.05, 2, 3)))
-    assert "at 7 numbered points of 34 rim vertices" in finding.text
-    assert "0 of them touch, others are up to 1 mm apart" in finding.text
+    assert "together at 7 numbered points" in finding.text
+    assert "0 of them touch, others are up to 1 mm apart. All along the seam" in finding.text
     (finding,) = seam_findings(meeting_rims(strips(0.0, 1, 1)))
-    assert "14 of them" not in finding.text
-    assert "7 of them touch;" in finding.text
+    assert "7 of them touch" in finding.text
+
+
+def test_distances_along_a_seam_are_those_from_the_other_rim():
+    """A flat sheet's rim of 5 vertices, and another's of 3, half a unit beside it and below."""
+    first = [[[x, y, 0.0] for x in (0, 1, 2, 3, 4)] for y in (9, 0)]
+    second = [[[x, y, -0.3] for x in (0, 2, 4)] for y in (-0.4, -9)]
+    meshes = [QuadMesh.from_rows(rows) for rows in (first, second)]
+    pattern = unfolded(joined(meshes), SheetSize(scale_mm_per_unit=10.0))[1]
+    found = meeting_rims(pattern)
+    assert len(found.vertices) == 3
+    np.testing.assert_allclose(found.gaps_mm, 5.0)
+    np.testing.assert_allclose(found.rim_gaps_mm, 5.0)  # of those between too
+    assert len(found.rim_gaps_mm) == 8
+    report = found.report()
+    assert report["rim_gap_mean_mm"] == pytest.approx(5.0)
+    assert report["rim_vertices"] == 8
 
 
 def test_numbers_are_in_the_file_and_on_both_sheets(tmp_path):
