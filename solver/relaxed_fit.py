@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from solver.resolution import fewest_columns
 from solver.surface_sheets import (
     MOST_COLUMNS,
     MOST_SHEETS,
+    NARROW_PLEATS,
     PLEATS,
     TURNS,
     SurfaceSheet,
@@ -79,19 +80,24 @@ def relaxed_fit(
     if turn is not None:
         require_finite("turn", turn)
     followed, smoothing = _without_noise(mesh, float(np.sqrt(mesh.area)) / columns)
-    tried = [
-        Pleats(
-            zigzag=usual.zigzag if zigzag is None else zigzag,
-            spacing=usual.spacing if row_step is None else row_step,
-            thickness=thickness * usual.thickness,
-            stretch=usual.stretch,
-        )
-        for usual in PLEATS
-    ]
+
+    def given(usual: Sequence[Pleats]) -> list[Pleats]:
+        tried = [
+            Pleats(
+                zigzag=one.zigzag if zigzag is None else zigzag,
+                spacing=one.spacing if row_step is None else row_step,
+                thickness=thickness * one.thickness,
+                stretch=one.stretch,
+            )
+            for one in usual
+        ]
+        return list(dict.fromkeys(tried))
+
     found = surface_sheets(
         followed,
         columns,
-        pleats=list(dict.fromkeys(tried)),
+        pleats=given(PLEATS),
+        narrow_pleats=given(NARROW_PLEATS),
         turns=TURNS if turn is None else (turn,),
         wishes=Wishes(rigid=rigid),
         goals=goals,

@@ -17,6 +17,8 @@ _ON_PLANE = 1e-3
 _CRUMB = 1e-3
 # Moments that differ by less than this share of the largest are equal.
 _EQUAL = 1e-6
+# More would not move the plane.
+_BISECTIONS = 50
 
 
 def halves(mesh: SurfaceMesh) -> list[SurfaceMesh]:
@@ -80,16 +82,34 @@ def _nearest_axes(span: FloatArray) -> FloatArray:
     return np.array(basis)
 
 
+def _median_height(heights: FloatArray, areas: FloatArray) -> float:
+    """The height below which half of the area of triangles is, these with heights (nf, 3)."""
+    low, middle, high = np.sort(heights, axis=1).T
+    under, over = float(low.min()), float(high.max())
+    for _ in range(_BISECTIONS):
+        level = (under + over) / 2
+        share = (level >= high).astype(float)
+        rising = (low < level) & (level < middle)
+        falling = (middle <= level) & (level < high)
+        low_r, high_r = low[rising], high[rising]
+        share[rising] = (level - low_r) ** 2 / ((high_r - low_r) * (middle[rising] - low_r))
+        low_f, high_f = low[falling], high[falling]
+        share[falling] = 1 - (high_f - level) ** 2 / ((high_f - low_f) * (high_f - middle[falling]))
+        if areas @ share < areas.sum() / 2:
+            under = level
+        else:
+            over = level
+    return (under + over) / 2
+
+
 def _sliced(mesh: SurfaceMesh, axis: FloatArray) -> tuple[FloatArray, IntArray, IntArray, IntArray]:
     """Triangles cut by the plane across `axis` through the median of area.
 
     Returns vertices, faces, the side of each face (0 or 1), and which vertices are on the plane.
     """
     coords = mesh.vertices_coords.copy()
-    middle = coords[mesh.faces_vertices].mean(axis=1) @ axis
-    order = np.argsort(middle, kind="stable")
-    upto = np.cumsum(norm(mesh.doubled_areas)[order])
-    height = coords @ axis - middle[order][np.searchsorted(upto, upto[-1] / 2)]
+    height = coords @ axis
+    height -= _median_height(height[mesh.faces_vertices], norm(mesh.doubled_areas))
     near = np.abs(height) <= _ON_PLANE * mesh.size
     coords[near] -= height[near, None] * axis
     height[near] = 0.0

@@ -44,6 +44,7 @@ from solver.vectors import FloatArray, IntArray, angle_between
 __all__ = [
     "MOST_COLUMNS",
     "MOST_SHEETS",
+    "NARROW_PLEATS",
     "PLEATS",
     "TURNS",
     "SurfaceSheet",
@@ -64,6 +65,16 @@ PLEATS = (
     Pleats(zigzag=0.5, stretch=1.25),
 )
 TURNS = (np.pi / 2, 0.0, np.pi / 4)
+# Narrow ones that are tried last around a part of a surface: with many of them around it, folds of
+# the same depth reach from wide places to narrow ones.
+NARROW_PLEATS = (
+    Pleats(zigzag=0.2, spacing=0.5, thickness=0.4, stretch=1.2),
+    Pleats(zigzag=0.15, spacing=0.4, thickness=0.35, stretch=1.2),
+    Pleats(zigzag=0.1, spacing=0.4, thickness=0.5, stretch=1.2),
+    Pleats(zigzag=0.3, spacing=0.55, thickness=0.45, stretch=1.2),
+    Pleats(zigzag=0.3, spacing=0.6, thickness=0.5, stretch=1.2),
+    Pleats(zigzag=0.3, spacing=0.7, thickness=0.5, stretch=1.2),
+)
 # Good sheets among which the best is taken.
 _CHOICES = 2
 # The same where none is within the goals.
@@ -85,6 +96,8 @@ _WELL_COVERED = 0.993
 _EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
+# The same around a part of a surface.
+_FIRST_AROUND = 40
 MOST_COLUMNS = 400
 # Finer sheets hold all but sides and rim by as much more, at most, else the rim bends them.
 _FIRMEST = 4.0
@@ -188,6 +201,7 @@ def surface_sheets(
     columns: int,
     *,
     pleats: Sequence[Pleats] = PLEATS,
+    narrow_pleats: Sequence[Pleats] = NARROW_PLEATS,
     turns: Sequence[float] = TURNS,
     wishes: Wishes | None = None,
     goals: Goals | None = None,
@@ -203,6 +217,7 @@ def surface_sheets(
     columns : faces across the map of the surface along the lines of the sheet, or around a tube.
     pleats, turns : what is tried; turns are directions of the lines, radians from the longest
         extent of the map.
+    narrow_pleats : what is tried after them around a part that is a tube.
     wishes : soft terms; None for the usual ones. goals : of makers: sheets are relaxed towards
         them, and among good ones those that miss them least are preferred.
     most_sheets : 1 for one that is not halved, good or not.
@@ -230,6 +245,7 @@ def surface_sheets(
     require_count("most_sheets", most_sheets, 1, "The surface needs one.")
     search = _Search(
         tuple(pleats),
+        tuple(narrow_pleats),
         tuple(turns),
         wishes or Wishes(),
         goals,
@@ -252,6 +268,7 @@ def surface_sheets(
 @dataclass
 class _Search:
     pleats: tuple[Pleats, ...]
+    narrow_pleats: tuple[Pleats, ...]
     turns: tuple[float, ...]
     wishes: Wishes
     goals: Goals | None
@@ -300,14 +317,10 @@ class _Search:
     def _best(self, mesh: SurfaceMesh, columns: int) -> SurfaceSheet | None:
         """The best sheet of this many columns, found with fewer first where these are many."""
         self.begun, self.tried = self.begun + 1, 0
-        few = min(columns, _FIRST_COLUMNS)
-        kinds = [kind for kind in (_tube, _patch) if kind is _patch or mesh.kind is MeshKind.RING]
         ranked: list[tuple[float, float, float, SurfaceSheet, _Lay]] = []
-        for lay in (_Lay.of(kind, mesh) for kind in kinds):
-            if lay is None:
-                continue
+        for lay in self._lays(mesh, columns):
             for pleats, turn in self._settings(lay):
-                sheet = self._tried(lay, few, pleats, turn, columns)
+                sheet = self._tried(lay, lay.first_columns, pleats, turn)
                 if sheet is not None:
                     ranked.append((sheet.faults, sheet.missed, self._rank(sheet), sheet, lay))
                 if self._stopped() or _enough(ranked):
@@ -315,11 +328,11 @@ class _Search:
             if any(r[0] == 0 for r in ranked):
                 break
         ranked.sort(key=lambda r: r[:3])
-        if few == columns or not ranked:
-            return ranked[0][3] if ranked else None
         found: list[SurfaceSheet] = []
         for *_, coarse, lay in ranked[:3]:
-            sheet = self._tried(lay, columns, coarse.pleats, coarse.turn, columns)
+            if lay.columns == lay.first_columns:
+                return coarse
+            sheet = self._tried(lay, lay.columns, coarse.pleats, coarse.turn)
             if sheet is not None:
                 found.append(sheet)
             if self._stopped() or any(one.good and not one.missed for one in found):
@@ -332,17 +345,29 @@ class _Search:
             return sheet.off
         return sheet.distance if self.nearest else -sheet.least_sector
 
-    def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
-        # around a tube small zigzags reach furthest
-        order = self.pleats if lay.turns else sorted(self.pleats, key=lambda one: one.zigzag)
-        for pleats in order:
-            for turn in self.turns if lay.turns else self.turns[:1]:
-                yield pleats, turn
+    def _lays(self, mesh: SurfaceMesh, columns: int) -> Iterator[_Lay]:
+        """A tube around a ring, and a patch; on a torus, which is long around, a tube alone."""
+        whole = mesh.area > _WHOLE * self.whole.area
+        if mesh.kind is MeshKind.RING:
+            yield from _Lay.of(_tube, mesh, columns, whole)
+        if not (whole and self.whole.kind is MeshKind.TORUS):
+            yield from _Lay.of(_patch, mesh, columns, whole)
 
-    def _tried(
-        self, lay: _Lay, columns: int, pleats: Pleats, turn: float, finest: int
-    ) -> SurfaceSheet | None:
-        """The sheet of a setting; None where there is none. finest : columns that are wanted."""
+    def _settings(self, lay: _Lay) -> Iterator[tuple[Pleats, float]]:
+        if not lay.around:
+            for pleats in self.pleats:
+                for turn in self.turns:
+                    yield pleats, turn
+            return
+        # around a tube small zigzags reach furthest
+        for pleats in sorted(self.pleats, key=lambda one: one.zigzag):
+            yield pleats, self.turns[0]
+        if not lay.whole:
+            for pleats in self.narrow_pleats:
+                yield pleats, self.turns[0]
+
+    def _tried(self, lay: _Lay, columns: int, pleats: Pleats, turn: float) -> SurfaceSheet | None:
+        """The sheet of a setting, of so many columns; None where there is none."""
         self.tried += 1
         if self.progress is not None:
             each = len(self.pleats) * len(self.turns)
@@ -350,7 +375,7 @@ class _Search:
             self.progress(done, max(self.surfaces, self.begun) * each)
         try:
             laid = _Laid(lay, lay.sheet(columns, pleats, turn), pleats, turn, columns)
-            return self._near_goals(laid, finest / columns)
+            return self._near_goals(laid, lay.columns / columns)
         except InvalidState:
             return None
 
@@ -577,31 +602,58 @@ class _Laid:
 
 @dataclass(frozen=True)
 class _Lay:
-    """A surface with its map, on which sheets are laid."""
+    """A surface with its map, on which sheets are laid.
+
+    Attributes
+    ----------
+    columns : of the sheet that is wanted. first_columns : of those that are tried.
+    around : whether it is a tube. whole : whether it is all of the surface.
+    """
 
     target: MeshTarget
-    turns: bool
     sheet: Callable[[int, Pleats, float], PleatedSheet]
+    columns: int
+    first_columns: int
+    around: bool
+    whole: bool
 
     @staticmethod
-    def of(kind: Callable[[SurfaceMesh], _Lay | None], mesh: SurfaceMesh) -> _Lay | None:
-        """That of a patch or of a tube; None where there is no map."""
+    def of(
+        kind: Callable[[SurfaceMesh, int, bool], _Lay],
+        mesh: SurfaceMesh,
+        columns: int,
+        whole: bool,
+    ) -> Iterator[_Lay]:
+        """That of a patch or of a tube; none where there is no map."""
         try:
-            return kind(mesh)
+            yield kind(mesh, columns, whole)
         except InvalidState:
-            return None
+            return
 
 
-def _patch(mesh: SurfaceMesh) -> _Lay:
+def _patch(mesh: SurfaceMesh, columns: int, whole: bool) -> _Lay:
     corners = disc_map(mesh)
     target, along = MeshTarget(mesh, corners), principal_turn(corners)
-    return _Lay(target, True, lambda n, pleats, turn: laid_patch(target, n, pleats, along + turn))
+    few = min(columns, _FIRST_COLUMNS)
+
+    def sheet(count: int, pleats: Pleats, turn: float) -> PleatedSheet:
+        return laid_patch(target, count, pleats, along + turn)
+
+    return _Lay(target, sheet, columns, few, around=False, whole=whole)
 
 
-def _tube(mesh: SurfaceMesh) -> _Lay:
+def _tube(mesh: SurfaceMesh, columns: int, whole: bool) -> _Lay:
     corners, period = cylinder_map(mesh)
     target = MeshTarget(mesh, corners, period)
-    return _Lay(target, False, lambda n, pleats, _: laid_tube(target, period, n, pleats))
+    few = min(columns, _FIRST_COLUMNS)
+    if not whole:  # its cells are those of the other parts
+        columns = max(4, round(columns * period / np.sqrt(mesh.area)))
+        few = min(columns, _FIRST_AROUND)
+
+    def sheet(count: int, pleats: Pleats, _: float) -> PleatedSheet:
+        return laid_tube(target, period, count, pleats)
+
+    return _Lay(target, sheet, columns, few, around=True, whole=whole)
 
 
 def _least_sector(mesh: QuadMesh) -> float:

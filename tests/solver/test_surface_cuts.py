@@ -31,8 +31,8 @@ def test_halves_share_the_area_evenly(arrays, kind):
     mesh = mesh_of(arrays)
     parts = halves(mesh)
     assert [part.kind for part in parts] == [kind, kind]
-    assert sum(part.area for part in parts) == pytest.approx(mesh.area, rel=1e-9)
-    assert parts[0].area >= parts[1].area > 0.4 * mesh.area
+    assert sum(part.area for part in parts) == pytest.approx(mesh.area, rel=1e-3)
+    assert parts[0].area >= parts[1].area > 0.49 * mesh.area
     again = halves(mesh)
     for part, same in zip(parts, again, strict=True):
         np.testing.assert_array_equal(part.vertices_coords, same.vertices_coords)
@@ -60,7 +60,7 @@ def test_the_cut_of_a_symmetric_surface_is_not_left_to_rounding():
 def test_a_long_strip_is_halved_across():
     mesh = mesh_of(grid(lambda u, v: (5 * u, v, 0 * u), 20, 4))
     for part in halves(mesh):
-        assert part.area == pytest.approx(mesh.area / 2, rel=0.06)
+        assert part.area == pytest.approx(mesh.area / 2, rel=1e-3)
         assert np.ptp(part.vertices_coords, axis=0)[:2] == pytest.approx([5, 2], abs=0.3)
 
 
@@ -68,7 +68,7 @@ def test_a_torus_is_opened_to_a_tube_along_its_shortest_line():
     mesh = mesh_of(torus(36, 24))
     out = opened(mesh)
     assert out.kind is MeshKind.RING
-    assert out.area == pytest.approx(mesh.area, rel=1e-9)
+    assert out.area == pytest.approx(mesh.area, rel=1e-3)
     for loop in out.boundary_loops:
         rim = out.vertices_coords[loop]
         girth = np.linalg.norm(rim - np.roll(rim, 1, axis=0), axis=1).sum()
@@ -79,7 +79,7 @@ def test_a_moebius_band_is_opened_to_a_strip():
     mesh = mesh_of(moebius(48, 4))
     out = opened(mesh)
     assert out.kind is MeshKind.DISC
-    assert out.area == pytest.approx(mesh.area, rel=1e-9)
+    assert out.area == pytest.approx(mesh.area, rel=1e-3)
     assert out.wound.all()
 
 
