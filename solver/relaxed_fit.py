@@ -200,6 +200,7 @@ def _told(found: SurfaceSheets, columns: int, smoothing: dict[str, float], rigid
         "thickness": first.pleats.thickness,
         "turn_deg": float(np.degrees(first.turn)),
         "step": first.step,
+        "off_steps": max(sheet.off for sheet in sheets),  # each in its own
     }
     chosen |= smoothing
     # how far a sheet that folds rigidly is off its surface is for the user to judge

@@ -8,8 +8,6 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.jobs.goals import design_goals, design_unit
 from fab.jobs.job import Job, SheetSize
@@ -134,7 +132,7 @@ def _far_off(growth: Growth) -> list[Finding]:
     """That a sheet, though it can be made, is far off its surface: one that folds rigidly."""
     if growth.status is not Status.GROWN or growth.deviations is None:
         return []
-    off = float(np.abs(growth.deviations).max(initial=0.0)) / growth.chosen["step"]
+    off = growth.chosen["off_steps"]
     if off <= _FAR_OFF:
         return []
     text = (

@@ -59,10 +59,13 @@ def test_a_sheet_that_is_free_to_follow_its_surface_is_told_apart():
 
 def test_a_rigid_sheet_far_off_its_surface_is_made_with_a_warning():
     growth, _ = followed("bump", rigid=True)
-    far = Growth(growth.mesh, growth.strips, chosen=growth.chosen, deviations=3 * growth.deviations)
+    off = np.abs(growth.deviations).max() / growth.chosen["step"]
+    assert growth.chosen["off_steps"] == pytest.approx(off)
+    off *= 3
+    chosen = growth.chosen | {"off_steps": off}
+    far = Growth(growth.mesh, growth.strips, chosen=chosen, deviations=3 * growth.deviations)
     (finding,) = growth_findings(far)
     assert finding.code == "far-from-surface"
-    off = 3 * np.abs(growth.deviations).max() / growth.chosen["step"]
     assert f"up to {off:.3g} steps" in finding.text
     assert "0.15 would be near" in finding.text
 

@@ -13,6 +13,7 @@ from solver.relaxation.laying import Pleats, laid_patch, laid_tube
 from solver.relaxation.sheet_fit import relaxed_sheet
 from solver.relaxed_fit import joined, relaxed_fit, sampled
 from solver.self_intersection import crossing_faces
+from solver.surface_cuts import halves
 from solver.surface_maps import cylinder_map, disc_map
 from solver.surface_sheets import SurfaceSheet, surface_sheets
 from solver.targets import explicit_surface
@@ -354,3 +355,12 @@ def test_goals_that_cannot_be_reached_are_missed_by_a_stated_share():
     assert 0 < sheet.missed == pytest.approx(1 - sheet.least_sector / np.radians(80))
     (free,) = surface_sheets(mesh, 8, **given).sheets
     assert sheet.least_sector > free.least_sector
+
+
+def test_narrow_cells_reach_around_half_a_torus_from_its_outer_to_its_inner_equator():
+    part = halves(mesh_of(torus(48, 24, 2.0, 0.8)))[0]
+    narrow = Pleats(zigzag=0.1, spacing=0.4, thickness=0.5, stretch=1.2)
+    (sheet,) = surface_sheets(part, 38, pleats=[narrow]).sheets
+    assert sheet.good
+    assert sheet.mesh.closed
+    require_made(sheet)
