@@ -8,7 +8,7 @@ numbers of vertices, or teeth beside teeth, do not meet everywhere.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,13 +92,14 @@ def met_rims(
     before: IntArray,
     barred: IntArray,
     reach: float,
+    interrupted: Callable[[], bool] | None = None,
 ) -> RimsMet | None:
     """The sheets with more vertices of their rims that meet.
 
     target : the whole surface. before : pairs that meet already, shape (n, 2), numbered through all
     sheets. barred : vertices that are not to meet any nor to be on the rim, shape (m,). reach :
     in steps, vertices farther apart do not meet. None where no further ones are that near each
-    other, or where they cannot meet.
+    other, or where they cannot meet. interrupted : see `relax`; None then too.
     """
     union = _Union(target, tuple(sheets), barred)
     free = np.flatnonzero(union.rim)
@@ -107,8 +108,8 @@ def met_rims(
     if not len(found):
         return None
     pairs = np.concatenate([before, free[found]])
-    drawn = union.relaxed(union.coords, pairs, hard=False)
-    met = union.relaxed(drawn.coords, pairs, hard=True)
+    drawn = union.relaxed(union.coords, pairs, interrupted, hard=False)
+    met = union.relaxed(drawn.coords, pairs, interrupted, hard=True)
     if met.status is not RelaxationStatus.RELAXED:
         return None
     off, owner = met.soft_values[0] * union.step, union.sheet[union.inner]
@@ -152,14 +153,28 @@ class _Union:
         bounded[barred] = False
         self.soft = self._soft(bounded)
 
-    def relaxed(self, start: FloatArray, pairs: IntArray, *, hard: bool) -> Relaxation:
+    def relaxed(
+        self,
+        start: FloatArray,
+        pairs: IntArray,
+        interrupted: Callable[[], bool] | None,
+        *,
+        hard: bool,
+    ) -> Relaxation:
+        """All sheets with the pairs drawn together, or as one point each (`hard`)."""
         meeting = MeetingVertices.of(pairs, self.step)
         terms: list[Term] = [
             PlanarFaces(self.faces),
             DevelopableVertices.of(self.faces, len(self.coords)),
         ]
-        soft = self.soft if hard else [*self.soft, Soft(meeting, _MEET)]
-        return relax(start, [*terms, meeting] if hard else terms, soft, self.step, rounds=_ROUNDS)
+        return relax(
+            start,
+            [*terms, meeting] if hard else terms,
+            self.soft if hard else [*self.soft, Soft(meeting, _MEET)],
+            self.step,
+            rounds=_ROUNDS,
+            interrupted=interrupted,
+        )
 
     def _soft(self, bounded: BoolArray) -> list[Soft]:
         target, coords, inner = self.target, self.coords, self.inner

@@ -101,8 +101,9 @@ _FIRST_AROUND = 40
 MOST_COLUMNS = 400
 # Finer sheets hold all but sides and rim by as much more, at most, else the rim bends them.
 _FIRMEST = 4.0
-# So often, at most, vertices of the rims of several sheets are brought together.
-_MEETINGS = 8
+# So often, at most, vertices of the rims of several sheets are brought together; twice where sheets
+# have more than half of so many faces.
+_MEETINGS, _FACES_MET = 8, 8000
 # Those that are nearer than this, in steps; where that does harm, those nearer than half of it, and
 # so on until it is less than the second.
 _MOST_APART, _LEAST_APART = 1.2, 0.2
@@ -498,10 +499,11 @@ class _Search:
             return sheets
         pairs, barred = np.empty((0, 2), np.int64), np.empty(0, np.int64)
         reach = _MOST_APART
-        for _ in range(_MEETINGS):
+        faces = sum(len(sheet.mesh.faces_vertices) for sheet in sheets)
+        for _ in range(min(_MEETINGS, max(2, _FACES_MET // faces))):
             if self._stopped() or reach < _LEAST_APART:
                 break
-            found = met_rims(target, _rims(sheets), pairs, barred, reach)
+            found = met_rims(target, _rims(sheets), pairs, barred, reach, self.interrupted)
             if found is None:
                 break
             each = zip(sheets, found.coords, found.deviations, found.distances, strict=True)
