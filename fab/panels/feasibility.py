@@ -189,11 +189,13 @@ def _vanished(feasibility: Feasibility, faces: IntArray) -> tuple[str, IntArray]
     if thickness is not None and thick:
         cures.append(f"thickness_mm at most {rounded_down(thickness)}")
     cures.append(f"a sheet at least {rounded_up(scales.max())} times as large")
+    several = len(faces) > 1
     text = (
-        f"{counted(len(faces), 'face has', 'faces have')} no panel: the setbacks of their creases "
-        f"leave nothing of them. All of them have one with {', or '.join(cures)}."
+        f"{counted(len(faces), 'face has', 'faces have')} no panel: the setbacks of "
+        f"{'their' if several else 'its'} creases leave nothing of {'them' if several else 'it'}. "
+        f"{'All of them have' if several else 'It has'} one with {', or '.join(cures)}."
     )
-    if len(faces) > 1:
+    if several:
         text += f" Face {faces[scales.argmax()]} needs most."
     if not thick:
         text += " No thickness that its hinges allow helps; lower gap_mm, clearance_mm or "
