@@ -265,6 +265,7 @@ function keepLast({ refused, lost, stopped }) {
   notice(refused ?? lost ?? "");
   markFaults(find("#form"), refused ?? "");
   find("#again").hidden = Boolean(refused);
+  if (sheet?.states.length === 1) askFold();
   allowFiles(false);
 }
 
@@ -326,6 +327,7 @@ function askFold() {
 }
 
 function busy() {
+  clearTimeout(foldTimer); // what is folded is the sheet to come
   verdict("busy", "Growing …");
   find("#stop").hidden = false;
   find("#again").hidden = true;
