@@ -49,7 +49,13 @@ def _steps(progress) -> None:
     time.sleep(60)
 
 
+def _hog() -> int:
+    whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return len(np.empty(int(0.6 * whole), dtype=np.uint8))  # of which nothing is touched
+
+
 TASKS = {
+    "hog": _hog,
     "steps": _steps,
     "pid": os.getpid,
     "crash": _crash,

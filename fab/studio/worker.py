@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import multiprocessing
+import os
 import signal
 import threading
 import time
@@ -19,6 +20,8 @@ from solver.errors import OrigamiError
 
 __all__ = ["Step", "Worker", "WorkerLost", "WorkerStopped"]
 
+# Of the machine's memory that a worker may have: others need some, and so do other workers.
+_MEMORY_SHARE = 0.5
 # Between two reports of the same stage, so that they do not slow it down.
 _REPORT_S = 0.1
 
@@ -191,6 +194,7 @@ def _work(link: Connection[Any, Any], module: str) -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):  # the server ends it
         signal.signal(number, signal.SIG_IGN if number == signal.SIGINT else signal.SIG_DFL)
+    _bound_memory()
     warnings.simplefilter("ignore", RuntimeWarning)  # of extreme numbers, which an error names
     tasks = importlib.import_module(module).TASKS
     with suppress(EOFError, OSError):
@@ -199,6 +203,18 @@ def _work(link: Connection[Any, Any], module: str) -> None:
             if "progress" in inspect.signature(tasks[task]).parameters:
                 arguments["progress"] = _Reports(link)
             link.send(_answer(tasks[task], arguments))
+
+
+def _bound_memory() -> None:
+    """Let numpy run out of memory before the machine does, where the system has such bounds."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+        most = int(_MEMORY_SHARE * whole)
+        if hard == resource.RLIM_INFINITY or most < hard:
+            resource.setrlimit(resource.RLIMIT_DATA, (most, hard))
 
 
 def _answer(task: Any, arguments: Mapping[str, Any]) -> tuple[str, Any]:

@@ -1,5 +1,6 @@
 """The worker: what happens to it is reported, and the next question finds another."""
 
+import sys
 import threading
 import time
 
@@ -31,6 +32,14 @@ def test_one_process_answers_until_it_is_lost(worker):
     with pytest.raises(WorkerLost, match=r"over 0\.2 seconds"):
         worker.ask("hang", {}, 0.2)
     assert worker.ask("pid", {}, 60) not in (first, second)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="bounds of memory are those of Linux")
+def test_the_memory_of_a_worker_is_bounded(worker):
+    first = worker.ask("pid", {}, 60)
+    with pytest.raises(InvalidJob, match="out of memory"):
+        worker.ask("hog", {}, 60)
+    assert worker.ask("pid", {}, 60) == first
 
 
 def test_what_takes_too_long_is_stopped_by_the_user(worker):
