@@ -260,8 +260,14 @@ def test_an_earlier_strip_is_turned_and_special_angles_are_taken(hand):
     special = hand.locator("#hand .special")
     least = special.locator("option", has_text="least cost")
     wait_until(hand, lambda: least.count() == 1)
-    label = least.text_content()
-    special.select_option(label=label)
+    label = special.evaluate(  # at once: angles that come meanwhile replace the choices
+        """(select) => {
+          const option = [...select.options].find(({ text }) => text.includes("least cost"));
+          select.value = option.value;
+          select.dispatchEvent(new Event("change"));
+          return option.text;
+        }"""
+    )
     wait_until(hand, lambda: strips(hand)[0]["flap_angle_deg"] != 120.0)
     assert f"{strips(hand)[0]['flap_angle_deg']:.2f}°" in label
     kept = strips(hand)

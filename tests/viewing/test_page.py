@@ -296,6 +296,14 @@ def test_the_script_is_made_of_the_sources_beside_it():
     assert "three.js authors" in (folder / "page_assets" / "three_licence.txt").read_text("utf-8")
 
 
+@pytest.mark.parametrize(("columns", "many"), [(100, False), (101, True)])
+def test_pages_of_many_faces_say_what_they_leave_out(columns, many):
+    pattern = miura_pattern(columns, 200)
+    page = page_of(scene=pattern_scene(pattern, "miura")).decode()
+    assert (f"{pattern.face_count} faces: lines of the folded form are off" in page) == many
+    assert ('id="creases" checked>' in page) != many
+
+
 def test_a_page_of_a_thousand_faces_is_under_two_megabytes():
     pattern = miura_pattern(40, 25)
     assert pattern.face_count == 1000
