@@ -10,9 +10,19 @@ from pydantic import Field, field_validator, model_validator
 
 from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened
+from fab.preferences import own_files
 from fab.settings import Settings, checked, read_toml
 
-__all__ = ["CURE", "Bedded", "Described", "described", "load_described", "shipped", "shipped_of"]
+__all__ = [
+    "CURE",
+    "Bedded",
+    "Described",
+    "described",
+    "known",
+    "known_of",
+    "load_described",
+    "shipped",
+]
 
 CURE = "Begin with a copy of a shipped file."
 # What a file is that does not name its kind.
@@ -90,31 +100,43 @@ def shipped(folder: Literal["jobs", "materials", "machines"]) -> dict[str, Path]
     return {path.stem: path for path in sorted(place.glob("*.toml"))}
 
 
+def known(folder: Folder) -> dict[str, Path]:
+    """The shipped materials or machines and the user's own, by name; of one name, the user's."""
+    return shipped(folder) | own_files(folder)
+
+
 def described(folder: Folder) -> dict[str, tuple[str, str]]:
-    """Kind and description of every shipped material or machine, by name."""
-    documents = {name: read_toml(path, "") for name, path in shipped(folder).items()}
-    return {
-        name: (_kind(document, folder), str(document["description"]))
-        for name, document in documents.items()
-    }
+    """Kind and description of every material or machine that is known, by name.
+
+    One of the user's that cannot be read is of no kind, and says why instead.
+    """
+    out = {}
+    for name, path in known(folder).items():
+        try:
+            document = read_toml(path, "")
+        except InvalidJob as error:
+            out[name] = ("", str(error))
+            continue
+        out[name] = _kind(document, folder), str(document.get("description", ""))
+    return out
 
 
-def shipped_of(kind: Literal["sheet", "print", "cutter", "printer"]) -> dict[str, Path]:
-    """TOML files of the shipped sheets, print materials, cutters or printers, by name, sorted."""
+def known_of(kind: Literal["sheet", "print", "cutter", "printer"]) -> dict[str, Path]:
+    """TOML files of the sheets, print materials, cutters or printers that are known, by name."""
     folder: Folder = "materials" if kind in ("sheet", "print") else "machines"
     kinds = described(folder)
-    return {name: path for name, path in shipped(folder).items() if kinds[name][0] == kind}
+    return {name: path for name, path in known(folder).items() if kinds[name][0] == kind}
 
 
 def load_described(model: type[Model], folder: Folder, name_or_path: str | Path) -> Model:
-    """A shipped file by name or any other by its path, as the model that its kind is.
+    """A shipped file or one of the user's own by name, or any by its path, as its kind's model.
 
     Raises `InvalidJob` with every key at fault, and for files of another kind.
     """
     (wanted,) = get_args(model.model_fields["kind"].annotation)
     path = Path(name_or_path)
     if path.suffix != ".toml":
-        path = _shipped_file(str(name_or_path), folder, wanted)
+        path = _known_file(str(name_or_path), folder, wanted)
     document = read_toml(path, f"Check the path, or list the names: `quadfold shipped {folder}`.")
     kind = _kind(document, folder)
     if kind != wanted:
@@ -125,14 +147,17 @@ def load_described(model: type[Model], folder: Folder, name_or_path: str | Path)
     return checked(model, document, str(path), CURE)
 
 
-def _shipped_file(name: str, folder: Folder, wanted: str) -> Path:
-    kinds = {known: kind for known, (kind, _) in described(folder).items()}
-    known = [other for other, kind in kinds.items() if kind == wanted]
-    if name not in known:
+def _known_file(name: str, folder: Folder, wanted: str) -> Path:
+    own = own_files(folder)
+    if name in own:
+        return own[name]
+    kinds = {other: kind for other, (kind, _) in described(folder).items()}
+    names = [other for other, kind in kinds.items() if kind == wanted]
+    if name not in names:
         what = f"is a {kinds[name]}, not a {wanted}: it " if name in kinds else ""
         raise InvalidJob(
-            f"{folder[:-1]} {shortened(name)!r} {what}must be one of {', '.join(known)}, or the "
-            f"path of a .toml file.{did_you_mean(name, known, 0.4)}"
+            f"{folder[:-1]} {shortened(name)!r} {what}must be one of {', '.join(names)}, or the "
+            f"path of a .toml file.{did_you_mean(name, names, 0.4)}"
         )
     return shipped(folder)[name]
 

@@ -14,6 +14,12 @@ settings.register_profile(
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _no_own_settings(tmp_path_factory):
+    """Settings of whoever runs the tests change nothing, here and in processes begun here."""
+    os.environ["XDG_CONFIG_HOME"] = str(tmp_path_factory.mktemp("settings"))
+
+
 @pytest.fixture(scope="session")
 def browser():
     """A browser for all tests of pages, which are skipped with the reason where there is none."""

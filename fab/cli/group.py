@@ -13,6 +13,7 @@ from fab.cli.folding import animate, simulate
 from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
 from fab.cli.patterns import check, convert
+from fab.cli.preferences import settings
 from fab.cli.sheets import coupon, fabricate, shipped
 from fab.cli.studio import studio
 
@@ -29,5 +30,6 @@ for command in (
     *(run, fabricate, thicken, simulate, animate, coupon, shipped, templates, new, check, convert),
     figure,
     studio,
+    settings,
 ):
     main.add_command(command)

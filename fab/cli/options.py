@@ -67,8 +67,9 @@ OUT = click.option(
     type=click.Path(path_type=Path),
     help="Folder to write into (default: here).",
 )
-MATERIAL = click.option("--material", required=True, metavar="NAME", help=_NAMED)
-MACHINE = click.option("--machine", required=True, metavar="NAME", help=_NAMED)
+_OF_SETTINGS = " Default: that of `quadfold settings`."
+MATERIAL = click.option("--material", default=None, metavar="NAME", help=_NAMED + _OF_SETTINGS)
+MACHINE = click.option("--machine", default=None, metavar="NAME", help=_NAMED + _OF_SETTINGS)
 ONLY_SHEETS = only("Such as dxf,pdf (default: dxf,svg,pdf).")
 DRY_RUN = dry_run("Make and check everything, write nothing.")
 SUGGEST = click.option(

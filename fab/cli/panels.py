@@ -23,6 +23,7 @@ from fab.cli.options import (
     reading_options,
     size_options,
 )
+from fab.cli.preferences import preferred
 from fab.errors import counted
 
 if TYPE_CHECKING:
@@ -75,6 +76,9 @@ def thicken(
         from fab.printing.thick_settings import thick_settings
 
         formats = formats_of(only, ThickFormat) or ORDINARY
+        if not any(change.startswith("printer") for change in changes):
+            printer = preferred("printer", printer)
+            material = preferred("print_material", material)
         settings = thick_settings(changes, printer, material)
         print_with = settings.print_with()
         if suggest:

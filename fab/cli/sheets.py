@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -24,6 +24,7 @@ from fab.cli.options import (
     reading_options,
     size_options,
 )
+from fab.cli.preferences import required
 from fab.errors import counted
 
 if TYPE_CHECKING:
@@ -51,8 +52,8 @@ __all__ = ["coupon", "fabricate", "shipped"]
 @DRY_RUN
 def fabricate(
     file: Path,
-    material: str,
-    machine: str,
+    material: str | None,
+    machine: str | None,
     out: Path,
     size: Size,
     options: ReadOptions,
@@ -73,7 +74,8 @@ def fabricate(
         from fab.sheets.registration import Registration
         from fab.sheets.sheet_request import SheetRequest
 
-        stock, cutter = load_material(material), load_machine(machine)
+        stock = load_material(required("material", material))
+        cutter = load_machine(required("machine", machine))
         chosen = formats_of(only, FabricatedFormat) or list(FabricatedFormat)
         request = SheetRequest(
             stock,
@@ -116,7 +118,7 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
 @MACHINE
 @OUT
 @ONLY_SHEETS
-def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
+def coupon(material: str | None, machine: str | None, out: Path, only: str | None) -> None:
     """Make a test card that finds a machine's kerf and the best dashes for a material."""
     with answers():
         from fab.drawings.drawing_files import SheetFormat, drawing_files
@@ -125,10 +127,11 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
         from fab.sheets.cutting_order import tour
         from fab.sheets.materials import load_machine, load_material
 
-        stock, cutter = load_material(material), load_machine(machine)
+        names = required("material", material), required("machine", machine)
+        stock, cutter = load_material(names[0]), load_machine(names[1])
         formats = formats_of(only, SheetFormat) or list(SheetFormat)
         require_folder(out)
-        words = [Path(word).name.removesuffix(".toml") for word in (material, machine)]
+        words = [Path(word).name.removesuffix(".toml") for word in names]
         name = plain_title("_".join(["coupon", *words]))
         paths = tour(coupon(cutter, stock))
         files = drawing_files(
@@ -140,12 +143,17 @@ def coupon(material: str, machine: str, out: Path, only: str | None) -> None:
 @click.command()
 @click.argument("kind", type=click.Choice(["materials", "machines"]))
 def shipped(kind: str) -> None:
-    """List the shipped materials or machines, one line each."""
+    """List the materials or machines that are known by name, one line each; yours are marked."""
     with answers():
         from fab.catalogue import described
+        from fab.preferences import own_files
 
-        listed = described("materials" if kind == "materials" else "machines")
+        folder: Literal["materials", "machines"] = (
+            "materials" if kind == "materials" else "machines"
+        )
+        listed, own = described(folder), own_files(folder)
         width = max(map(len, listed))
         wide = max(len(what) for what, _ in listed.values())
         for name, (what, description) in listed.items():
-            say(f"{name:<{width}}  {what:<{wide}}  {description}")
+            yours = f" (yours: {own[name]})" if name in own else ""
+            say(f"{name:<{width}}  {what:<{wide}}  {description}{yours}")

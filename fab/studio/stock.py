@@ -1,6 +1,7 @@
 """The stock that the page offers: sheets, cutters, printers and print materials.
 
-They are the shipped ones, by name, and those whose TOML files are in the studio's folder.
+They are the shipped ones and the user's own, by name, and those whose TOML files are in the
+studio's folder.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from fab.catalogue import described, shipped_of
+from fab.catalogue import described, known_of
 
 __all__ = ["KINDS", "Kind", "names_of", "stock"]
 
@@ -26,7 +27,7 @@ def stock(folder: Path) -> dict[str, list[dict[str, Any]]]:
     """What there is of each kind: name, description, and whether it is a file of the folder."""
     texts = {**described("materials"), **described("machines")}
     found: dict[str, list[dict[str, Any]]] = {
-        kind: [{"name": name, "text": texts[name][1], "own": False} for name in shipped_of(kind)]
+        kind: [{"name": name, "text": texts[name][1], "own": False} for name in known_of(kind)]
         for kind in KINDS
     }
     for kind, name, text in _files(folder):
@@ -35,9 +36,9 @@ def stock(folder: Path) -> dict[str, list[dict[str, Any]]]:
 
 
 def names_of(kind: Kind, folder: Path) -> tuple[str, ...]:
-    """Names of the shipped ones of a kind, then those of files in the folder."""
+    """Names of the known ones of a kind, then those of files in the folder."""
     own = (name for found, name, _ in _files(folder) if found == kind)
-    return (*shipped_of(kind), *own)
+    return (*known_of(kind), *own)
 
 
 def _files(folder: Path) -> Iterator[tuple[Kind, str, str]]:
