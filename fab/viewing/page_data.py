@@ -32,6 +32,7 @@ def page_data(scene: Scene, findings: Sequence[Finding]) -> dict[str, Any]:
     triangles, faces = face_corner_triangles(pattern)
     return {
         "states": state_names(scene),
+        "shares": scene.shares.tolist(),
         "sheet": {
             "positions": packed(scene.states_coords),
             "triangles": packed(pattern.faces_vertices[triangles]),

@@ -111,6 +111,13 @@ def test_the_slider_folds_the_sheet(browser, pages, command):
         assert drawn(flat)[0] > drawn(between)[0] > drawn(folded)[0]
 
 
+def test_places_between_states_are_called_by_their_share(browser, pages):
+    with opened(browser, pages["fabricate"]) as found:  # states at every tenth
+        for share, name in ((0.0, "flat"), (0.45, "45% of the fold"), (1.0, "100% of the fold")):
+            fold_to(found.page, share)
+            assert found.page.locator("#state").text_content() == name
+
+
 def test_the_fold_plays_to_its_end(browser, pages):
     with opened(browser, pages["simulate"]) as found:
         page = found.page

@@ -63,7 +63,7 @@ function startSlider(figure, made) {
   const set = (place) => {
     slider.value = place;
     const stops = made.shown === "panels" && place > data.panelsState;
-    const name = stops ? `panels stop ${data.states[data.panelsState]}` : data.states[Math.round(place)];
+    const name = stops ? `panels stop ${data.states[data.panelsState]}` : placeName(place);
     label.textContent = name;
     slider.setAttribute("aria-valuetext", name);
     made.fold(Number(place));
@@ -93,6 +93,15 @@ function startSlider(figure, made) {
   });
   set(slider.max);
   return set;
+}
+
+/** What a place on the slider is called: of panels by the nearest state, else by its share of the fold. */
+function placeName(place) {
+  if (data.bodies) return data.states[Math.round(place)];
+  const first = Math.min(Math.floor(place), data.shares.length - 1);
+  const second = Math.min(first + 1, data.shares.length - 1);
+  const share = data.shares[first] + (place - first) * (data.shares[second] - data.shares[first]);
+  return share === 0 ? "flat" : `${Math.round(100 * share)}% of the fold`;
 }
 
 function startFindings() {
