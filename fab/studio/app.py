@@ -25,7 +25,7 @@ from fab.studio.exports import Exports
 from fab.studio.job_text import MOST_BYTES
 from fab.studio.messages import packed_answer
 from fab.studio.places import inside
-from fab.studio.stock import stock
+from fab.studio.stock import stock, usual_names
 from fab.studio.worker import Worker, WorkerLost, WorkerStopped
 from solver import Side
 from solver.errors import OrigamiError
@@ -258,7 +258,8 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
 
     async def stocked(message: Mapping[str, Any]) -> bytes:
         del message
-        return packed_answer({"stock": await run_in_threadpool(stock, studio.folder)})
+        found = await run_in_threadpool(stock, studio.folder)
+        return packed_answer({"stock": found, "usual": usual_names()})
 
     async def drop(request: Request) -> Response:
         try:

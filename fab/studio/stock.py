@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from fab.catalogue import described, known_of
+from fab.errors import InvalidJob
+from fab.preferences import preferences
 
-__all__ = ["KINDS", "Kind", "names_of", "stock"]
+__all__ = ["KINDS", "Kind", "names_of", "stock", "usual_names"]
 
 Kind = Literal["sheet", "cutter", "print", "printer"]
 KINDS: tuple[Kind, ...] = ("sheet", "cutter", "print", "printer")
@@ -33,6 +35,14 @@ def stock(folder: Path) -> dict[str, list[dict[str, Any]]]:
     for kind, name, text in _files(folder):
         found[kind].append({"name": name, "text": text, "own": True})
     return found
+
+
+def usual_names() -> dict[str, str | None]:
+    """What the user mostly takes, by names of preferences; nothing where their file is faulty."""
+    try:
+        return preferences().model_dump()
+    except InvalidJob:
+        return {}
 
 
 def names_of(kind: Kind, folder: Path) -> tuple[str, ...]:

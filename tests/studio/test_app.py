@@ -16,6 +16,7 @@ from studio_answers import arrays_of, head_of
 
 from fab.catalogue import shipped
 from fab.cli.group import main
+from fab.preferences import set_preference
 from fab.studio.app import Studio, studio_app
 from fab.studio.job_text import job_of_text
 from fab.studio.serving import free_socket
@@ -244,6 +245,19 @@ def test_files_are_read_and_kept_within_the_folder_and_nowhere_else(client, fold
         assert client.get(f"made/{address}").status_code == 404
     assert "gone" in head_of(ask(client, "keep", key="0" * 16, into="out"))["refused"]
     assert files_under(folder.parent) == before
+
+
+def test_stock_is_offered_with_what_the_user_mostly_takes(client):
+    assert set(head_of(ask(client, "stock"))["usual"].values()) == {None}
+    path = set_preference("machine", "knife_a4")
+    try:
+        found = head_of(ask(client, "stock"))
+        assert found["usual"]["machine"] == "knife_a4"
+        assert "knife_a4" in [each["name"] for each in found["stock"]["cutter"]]
+        path.write_text("machine = 1", encoding="utf-8")
+        assert head_of(ask(client, "stock"))["usual"] == {}
+    finally:
+        path.unlink()
 
 
 def test_only_the_last_few_exports_are_held(client):

@@ -4,7 +4,7 @@ import { ask } from "./messages.js";
 
 const LOOK_AFTER = 400; // milliseconds between two looks at how far it is
 const STOCK = { material: "sheet", machine: "cutter", printer: "printer", print_material: "print" };
-const USUAL = ["card_300gsm", "co2_60w_600x400"]; // chosen at first
+const COMMON = { material: "card_300gsm", machine: "co2_60w_600x400" }; // where the user has set none
 const find = (selector) => document.querySelector(selector);
 
 export class Exports {
@@ -29,9 +29,11 @@ export class Exports {
     }
     find(`input[name=command][value=${isJob ? "run" : "fabricate"}]`).checked = true;
     this.#choose();
-    const { stock } = await ask("stock", {});
+    const { stock, usual } = await ask("stock", {});
     if (!stock) return;
-    for (const [id, kind] of Object.entries(STOCK)) fill(find(`#${id}`), stock[kind], id.startsWith("print"));
+    for (const [id, kind] of Object.entries(STOCK)) {
+      fill(find(`#${id}`), stock[kind], usual[id] ?? COMMON[id], id.startsWith("print"));
+    }
   }
 
   /** Whether there is a sheet that files can be made of. */
@@ -137,18 +139,18 @@ function say(text, wrong = false) {
   find("#made").className = wrong ? "verdict error" : "";
 }
 
-/** Choices of a select, those of the folder apart; the one that is chosen stays. */
-function fill(select, stock, optional) {
-  const before = select.value;
+/** Choices of a select, those of the folder apart; the one that is chosen stays, the usual one is first chosen. */
+function fill(select, stock, usual, optional) {
+  const before = select.options.length ? select.value : undefined;
   const groups = [false, true].map((own) => {
-    const group = Object.assign(document.createElement("optgroup"), { label: own ? "in the folder" : "shipped" });
+    const group = Object.assign(document.createElement("optgroup"), { label: own ? "in the folder" : "known by name" });
     const chosen = stock.filter((each) => each.own === own);
     group.append(...chosen.map(({ name, text }) => new Option(text ? `${name}: ${text}` : name, name)));
     return group;
   });
   const none = optional ? [new Option("none", "")] : [];
   select.replaceChildren(...none, ...groups.filter((group) => group.children.length));
-  const chosen = [before, ...USUAL].find((name) => [...select.options].some(({ value }) => value === name));
+  const chosen = [before, usual].find((name) => [...select.options].some(({ value }) => value === name));
   if (chosen !== undefined) select.value = chosen;
 }
 
