@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fab.cli.console import answers
-from fab.cli.delivery import deliver
+from fab.cli.delivery import Told, deliver
 from fab.cli.inputs import allowed_job
 from fab.cli.options import (
     ALLOW_CODE,
@@ -22,6 +22,7 @@ from fab.cli.options import (
     only,
     reading_options,
     size_options,
+    told_options,
 )
 from fab.errors import Finding, InvalidJob, counted
 
@@ -63,6 +64,7 @@ __all__ = ["animate", "simulate"]
 @only("Such as fold,gif (default: all).")
 @dry_run("Fold and judge, write nothing.")
 @ALLOW_CODE
+@told_options
 def simulate(
     file: Path,
     out: Path,
@@ -75,6 +77,7 @@ def simulate(
     only: str | None,
     dry_run: bool,
     allow_code: bool,
+    told: Told,
 ) -> None:
     """Fold a crease pattern, or the sheet of a job, from flat, and judge whether it gets there.
 
@@ -116,7 +119,7 @@ def simulate(
                 upright=upright,
             )
 
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary)
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, told=told)
 
 
 @click.command()
@@ -134,6 +137,7 @@ def simulate(
 @only("gif, mp4 or both (default: gif, and mp4 where an encoder is installed).")
 @dry_run("Draw everything, write nothing.")
 @ALLOW_CODE
+@told_options
 def animate(
     file: Path,
     out: Path,
@@ -144,6 +148,7 @@ def animate(
     only: str | None,
     dry_run: bool,
     allow_code: bool,
+    told: Told,
 ) -> None:
     """Animate how a sheet grows, strip by strip, and how it folds.
 
@@ -196,7 +201,7 @@ def animate(
                 progress=progress,
             )
 
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_animated)
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_animated, told=told)
 
 
 def _animated(report: Mapping[str, Any]) -> Iterator[str]:

@@ -10,9 +10,18 @@ from typing import Any
 import click
 
 from fab.cli.console import answers, progress_bar, say, tell
-from fab.cli.delivery import deliver
+from fab.cli.delivery import Told, deliver
 from fab.cli.inputs import allowed_job
-from fab.cli.options import ALLOW_CODE, DRY_RUN, OUT, SUGGEST, changes_of, formats_of, only
+from fab.cli.options import (
+    ALLOW_CODE,
+    DRY_RUN,
+    OUT,
+    SUGGEST,
+    changes_of,
+    formats_of,
+    only,
+    told_options,
+)
 from fab.cli.panels import say_window
 from fab.errors import InvalidJob, counted, did_you_mean
 from fab.files import shortened, shown_path
@@ -28,6 +37,7 @@ __all__ = ["new", "run", "templates"]
 @DRY_RUN
 @SUGGEST
 @ALLOW_CODE
+@told_options
 def run(
     job: Path,
     out: Path,
@@ -36,15 +46,19 @@ def run(
     dry_run: bool,
     suggest: bool,
     allow_code: bool,
+    told: Told,
 ) -> None:
-    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG, HTML and report.json."""
+    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG, HTML and report.json.
+
+    JOB is a TOML file, or the name of a shipped one: see `quadfold templates`.
+    """
     with answers() as interrupts:
         from fab.jobs.grow import grown_pattern
         from fab.jobs.job_files import Format, make
         from fab.outputs import file_names
 
         chosen = formats_of(only, Format)
-        loaded = allowed_job(job, changes, allow_code)
+        loaded = allowed_job(_place(job), changes, allow_code)
         formats = chosen or [Format(name) for name in loaded.outputs]
         if suggest:
             with progress_bar(interrupts) as progress:
@@ -59,7 +73,24 @@ def run(
             dry_run=dry_run,
             summary=_summary,
             names=file_names(loaded.name, formats),
+            told=told,
         )
+
+
+def _place(job: Path) -> Path:
+    """The file of a job; of a shipped one by its name, where no file is called so."""
+    from fab.catalogue import shipped
+
+    jobs = shipped("jobs")
+    if job.suffix or job.exists():
+        return job
+    if str(job) not in jobs:
+        hint = did_you_mean(job, jobs)
+        raise InvalidJob(
+            f"{shown_path(job)} is neither a file nor a shipped job.{hint} List these: "
+            "`quadfold templates`."
+        )
+    return jobs[str(job)]
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
@@ -92,16 +123,24 @@ def _distance(distance: Mapping[str, float]) -> str:
 
 
 @click.command()
-def templates() -> None:
-    """List the shipped jobs, one line each."""
+@click.argument("word", default="")
+def templates(word: str) -> None:
+    """List the shipped jobs, one line each; those with WORD in name or description."""
     with answers():
         from fab.catalogue import shipped
 
         jobs = shipped("jobs")
-        width = max(map(len, jobs))
+        width, found = max(map(len, jobs)), 0
         for name, path in jobs.items():
             description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            say(f"{name:<{width}}  {description}")
+            if word.casefold() in f"{name} {description}".casefold():
+                say(f"{name:<{width}}  {description}")
+                found += 1
+        if not found:
+            raise InvalidJob(
+                f"none of the {len(jobs)} shipped jobs has {shortened(word)!r} in its name or "
+                "description. List all: `quadfold templates`."
+            )
 
 
 @click.command()

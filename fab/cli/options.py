@@ -11,6 +11,7 @@ from typing import Any, Literal, Protocol, TypeVar
 import click
 
 from fab.cli.console import answers
+from fab.cli.delivery import Told
 from fab.errors import InvalidJob
 from fab.outputs import Kind, formats_among
 
@@ -30,6 +31,7 @@ __all__ = [
     "only",
     "reading_options",
     "size_options",
+    "told_options",
 ]
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -58,6 +60,25 @@ def dry_run(text: str) -> Option:
 def changes_of(text: str) -> Option:
     """The option --set, with its help."""
     return click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help=text)
+
+
+_TOLD = (
+    click.option("--json", "as_json", is_flag=True, help="Print the report, one JSON document."),
+    click.option("--quiet", is_flag=True, help="Print nothing but errors."),
+)
+
+
+def told_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """A command with --json and --quiet, which it takes as one `Told`, `told`."""
+
+    @functools.wraps(command)
+    def with_told(*arguments: Any, as_json: bool, quiet: bool, **others: Any) -> Any:
+        if as_json and quiet:
+            raise click.UsageError("--json and --quiet exclude each other.")
+        told = Told.JSON if as_json else Told.ERRORS if quiet else Told.LINES
+        return command(*arguments, told=told, **others)
+
+    return _with_all(with_told, _TOLD)
 
 
 FILE = click.argument("file", type=click.Path(path_type=Path))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fab.cli.console import Interrupts, answers, progress_bar, say, tell
-from fab.cli.delivery import deliver
+from fab.cli.delivery import Told, deliver
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
@@ -22,6 +22,7 @@ from fab.cli.options import (
     only,
     reading_options,
     size_options,
+    told_options,
 )
 from fab.cli.preferences import preferred
 from fab.errors import counted
@@ -54,6 +55,7 @@ __all__ = ["say_window", "thicken"]
 @only("Such as step,stl (default: all but zip and glb).")
 @DRY_RUN
 @SUGGEST
+@told_options
 def thicken(
     file: Path,
     out: Path,
@@ -65,6 +67,7 @@ def thicken(
     only: str | None,
     dry_run: bool,
     suggest: bool,
+    told: Told,
 ) -> None:
     """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF, PNG and HTML.
 
@@ -100,7 +103,7 @@ def thicken(
             )
 
         names = file_names(f"{plain_title(file.stem)}_thick", formats)
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names)
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names, told=told)
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from fab.cli.console import answers, say
-from fab.cli.delivery import deliver, write_made
+from fab.cli.delivery import Told, deliver, write_made
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
@@ -23,6 +23,7 @@ from fab.cli.options import (
     only,
     reading_options,
     size_options,
+    told_options,
 )
 from fab.cli.preferences import required
 from fab.errors import counted
@@ -50,6 +51,7 @@ __all__ = ["coupon", "fabricate", "shipped"]
 )
 @only("Such as dxf,pdf (default: dxf,svg,pdf,html).")
 @DRY_RUN
+@told_options
 def fabricate(
     file: Path,
     material: str | None,
@@ -61,6 +63,7 @@ def fabricate(
     two_sided: bool,
     only: str | None,
     dry_run: bool,
+    told: Told,
 ) -> None:
     """Make the sheets that a laser cutter or plotter cuts from a crease pattern.
 
@@ -97,7 +100,7 @@ def fabricate(
             )
 
         names = sheet_names(plain_title(file.stem))
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names)
+        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names, told=told)
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
