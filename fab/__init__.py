@@ -22,7 +22,7 @@ formats : files of other programs: patterns in SVG, DXF, CP, OPX, ORI, ORH, FOLD
     in SVG, DXF, CP, FOLD and OBJ written; surfaces in STL, OBJ, PLY and STEP are read.
 surfaces : files to clean triangle meshes that designs follow.
 layout : faces divided into pieces, and pieces placed on beds.
-drawings : cut paths by operation, written as DXF, SVG and PDF.
+drawings : cut paths by operation, written as DXF, SVG and PDF, and in formats of machines.
 sheets : a pattern as laser-cut sheets.
 folding : simulation from flat to folded, and its verdict.
 panels : thick panels and their hinges, CAD assemblies.

@@ -49,7 +49,7 @@ __all__ = ["coupon", "fabricate", "shipped"]
     is_flag=True,
     help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
 )
-@only("Such as dxf,pdf (default: dxf,svg,pdf,html).")
+@only("Such as dxf,lbrn2 (default: dxf,svg,pdf,html).")
 @DRY_RUN
 @told_options
 def fabricate(
@@ -70,7 +70,7 @@ def fabricate(
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
     """
     with answers() as interrupts:
-        from fab.drawings.drawing_files import SheetFormat
+        from fab.drawings.drawing_files import USUAL, SheetFormat
         from fab.jobs.sheet_files import FabricatedFormat, fabricate, sheet_names
         from fab.outputs import plain_title
         from fab.sheets.materials import load_machine, load_material
@@ -79,7 +79,8 @@ def fabricate(
 
         stock = load_material(required("material", material))
         cutter = load_machine(required("machine", machine))
-        chosen = formats_of(only, FabricatedFormat) or list(FabricatedFormat)
+        usual = [*map(FabricatedFormat, USUAL), FabricatedFormat.HTML]
+        chosen = formats_of(only, FabricatedFormat) or usual
         request = SheetRequest(
             stock,
             cutter,
@@ -124,22 +125,22 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
 def coupon(material: str | None, machine: str | None, out: Path, only: str | None) -> None:
     """Make a test card that finds a machine's kerf and the best dashes for a material."""
     with answers():
-        from fab.drawings.drawing_files import SheetFormat, drawing_files
+        from fab.drawings.drawing_files import USUAL, SheetFormat, drawing_files
         from fab.outputs import Made, plain_title, require_folder
         from fab.sheets.coupon import coupon
         from fab.sheets.cutting_order import tour
         from fab.sheets.materials import load_machine, load_material
+        from fab.sheets.sheet_request import SheetRequest
 
         names = required("material", material), required("machine", machine)
         stock, cutter = load_material(names[0]), load_machine(names[1])
-        formats = formats_of(only, SheetFormat) or list(SheetFormat)
+        formats = formats_of(only, SheetFormat) or USUAL
         require_folder(out)
         words = [Path(word).name.removesuffix(".toml") for word in names]
         name = plain_title("_".join(["coupon", *words]))
         paths = tour(coupon(cutter, stock))
-        files = drawing_files(
-            paths, name, formats, cutter.colours, cutter.dxf_version, cutter.stroke_mm
-        )
+        request = SheetRequest(stock, cutter, formats=formats)
+        files = drawing_files(paths, name, formats, request.drawing_style)
         write_made(Made(files, {}, ()), out)
 
 

@@ -10,7 +10,10 @@ import numpy as np
 
 from solver.vectors import FloatArray
 
-__all__ = ["CutPaths", "Layer", "Operation", "joined"]
+__all__ = ["CutPaths", "Layer", "Operation", "joined", "polylines"]
+
+# Ends nearer than this are one point in files of six decimals.
+_SAME_MM = 1e-6
 
 
 class Operation(StrEnum):
@@ -73,3 +76,19 @@ def joined(layers: Sequence[Layer]) -> tuple[Layer, ...]:
             outlines = tuple(outline for layer in same for outline in layer.outlines)
             out.append(Layer(operation, segments, outlines))
     return tuple(out)
+
+
+def polylines(layer: Layer) -> list[FloatArray]:
+    """The lines of a layer in their order, each shape (m, 2), as a head follows them in one go.
+
+    Segments that begin where the one before ends are one line; outlines end at their first vertex.
+
+    >>> ends = [[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [1.0, 2.0]], [[5.0, 0.0], [6.0, 0.0]]]
+    >>> [line.tolist() for line in polylines(Layer(Operation.ENGRAVE, np.array(ends)))]
+    [[[0.0, 0.0], [1.0, 0.0], [1.0, 2.0]], [[5.0, 0.0], [6.0, 0.0]]]
+    """
+    segments = layer.segments
+    apart = np.abs(segments[1:, 0] - segments[:-1, 1]).max(axis=1) > _SAME_MM
+    parts = np.split(segments, np.flatnonzero(apart) + 1) if len(segments) else []
+    lines = [np.concatenate([part[:1, 0], part[:, 1]]) for part in parts]
+    return [*lines, *(np.concatenate([ring, ring[:1]]) for ring in layer.outlines)]

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 
-from fab.drawings.cut_paths import CutPaths
+from fab.drawings.cut_paths import CutPaths, Operation
+from fab.drawings.cut_settings import CutSetting
 from fab.drawings.dxf import DxfVersion, dxf_bytes
 from fab.drawings.layer_colours import Colours
 from fab.drawings.svg import STROKE_MM, svg_bytes
 
-__all__ = ["SheetFormat", "drawing_files"]
+__all__ = ["PROGRAMS", "USUAL", "DrawingStyle", "SheetFormat", "drawing_files"]
 
 
 class SheetFormat(StrEnum):
@@ -19,33 +21,56 @@ class SheetFormat(StrEnum):
     DXF = "dxf"
     SVG = "svg"
     PDF = "pdf"
+    LBRN2 = "lbrn2"
+
+
+# What is made where nobody says; the others are made on request.
+USUAL = (SheetFormat.DXF, SheetFormat.SVG, SheetFormat.PDF)
+# What a machine follows line by line: dashes have to be lines in it.
+PROGRAMS = frozenset({SheetFormat.LBRN2})
+
+
+@dataclass(frozen=True)
+class DrawingStyle:
+    """What a machine wants of its drawings, besides their lines.
+
+    Attributes
+    ----------
+    colours : of the operations.
+    stroke_mm : width of the lines in SVG; in DXF and PDF they are as thin as can be.
+    settings : speed and power of the operations, for formats that hold them.
+    """
+
+    colours: Colours = field(default_factory=Colours)
+    dxf_version: DxfVersion = DxfVersion.R2000
+    stroke_mm: float = STROKE_MM
+    settings: Mapping[Operation, CutSetting] = field(default_factory=dict)
 
 
 def drawing_files(
     paths: CutPaths,
     name: str,
     formats: Sequence[SheetFormat],
-    colours: Colours | None = None,
-    dxf_version: DxfVersion = DxfVersion.R2000,
-    stroke_mm: float = STROKE_MM,
+    style: DrawingStyle | None = None,
 ) -> dict[str, bytes]:
     """Files by name, in the order of `SheetFormat`; all of them hold the same lines.
 
-    Parameters
-    ----------
     name : of the files, without their endings, and the title of the drawing.
-    colours : of the operations; where left out, the default ones.
-    stroke_mm : width of the lines in SVG; in DXF and PDF they are as thin as can be.
 
     Raises `InvalidValue` where a sheet is larger than a page of PDF may be.
     """
+    style = style or DrawingStyle()
     files = {}
     if SheetFormat.DXF in formats:
-        files[f"{name}.dxf"] = dxf_bytes(paths, colours, dxf_version)
+        files[f"{name}.dxf"] = dxf_bytes(paths, style.colours, style.dxf_version)
     if SheetFormat.SVG in formats:
-        files[f"{name}.svg"] = svg_bytes(paths, name, colours, stroke_mm)
+        files[f"{name}.svg"] = svg_bytes(paths, name, style.colours, style.stroke_mm)
     if SheetFormat.PDF in formats:
         from fab.drawings.pdf import pdf_bytes
 
-        files[f"{name}.pdf"] = pdf_bytes(paths, name, colours)
+        files[f"{name}.pdf"] = pdf_bytes(paths, name, style.colours)
+    if SheetFormat.LBRN2 in formats:
+        from fab.drawings.lightburn import lightburn_bytes
+
+        files[f"{name}.lbrn2"] = lightburn_bytes(paths, name, style.settings)
     return files

@@ -2,7 +2,7 @@
 
 pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on beds
 -> front and back, if asked for -> order of the work, estimate
--> DXF, SVG and PDF of each sheet, result page, report
+-> drawings of each sheet, result page, report
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import shapely
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.drawings.drawing_files import SheetFormat, drawing_files
-from fab.errors import Finding
+from fab.errors import Finding, Severity
 from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
@@ -50,6 +50,7 @@ class FabricatedFormat(StrEnum):
     DXF = "dxf"
     SVG = "svg"
     PDF = "pdf"
+    LBRN2 = "lbrn2"
     HTML = "html"
 
 
@@ -100,12 +101,28 @@ def fabricate(
         *narrow_faces(pattern, request.machine.kerf_mm),
         *split_findings,
         *cut_findings,
+        *_unset_powers(drawn, request),
     ]
     if request.page:
         drawings = {title: paths for sheet in drawn for title, paths in sheet.paths.items()}
         files[f"{name}_sheets.html"] = _page(pattern, name, request, report, every, files, drawings)
     progress("write", 1, 1)
     return with_report(files, f"{name}_report.json", report, every)
+
+
+def _unset_powers(drawn: Sequence[_Drawn], request: SheetRequest) -> list[Finding]:
+    """A note where a project for LightBurn has layers without power."""
+    every = {layer.operation for sheet in drawn for p in sheet.paths.values() for layer in p.layers}
+    settings = request.cut_settings
+    unset = [key for key in settings if key in every and settings[key].power_percent is None]
+    if SheetFormat.LBRN2 not in request.formats or not unset:
+        return []
+    text = (
+        f"the machine has no power for {', '.join(unset)}: .lbrn2 leaves them at the power that "
+        "LightBurn gives to new layers. Set it there, or give it in [powers] of a machine of your "
+        "own"
+    )
+    return [Finding("power-unset", Severity.NOTE, text)]
 
 
 def sheet_names(name: str) -> re.Pattern[str]:
@@ -245,12 +262,9 @@ def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
 
 def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
     """Files of a drawing, and figures of the work, in the order of the tour."""
-    machine = request.machine
     ordered = tour(paths)
     return _Drawn(
-        drawing_files(
-            ordered, name, request.formats, machine.colours, machine.dxf_version, machine.stroke_mm
-        ),
+        drawing_files(ordered, name, request.formats, request.drawing_style),
         estimate_report(estimate(ordered, request.speeds)),
         {name: ordered},
     )

@@ -18,12 +18,14 @@ from fab.sheets.perforation_settings import PerforationSettings
 __all__ = [
     "Machine",
     "Material",
+    "Powers",
     "Speeds",
     "load_machine",
     "load_material",
     "perforation_for",
 ]
 
+Percent = Annotated[float, Field(ge=0, le=100)]
 Rotations = Annotated[list[Annotated[float, Field(ge=-360, le=360)]], Field(min_length=1)]
 
 # What a material must state about its creases; the rest takes the defaults of a job.
@@ -77,12 +79,24 @@ class Speeds(Settings):
     pierce_s: float = Field(ge=0, le=60, description="to begin a cut, on and off")
 
 
+class Powers(Settings):
+    """Share of a laser's full power, at the machine's speeds; left out where it is not known."""
+
+    cut_percent: Percent | None = Field(default=None, description="outlines and relief holes")
+    perforate_percent: Percent | None = Field(default=None, description="creases cut by dashes")
+    score_percent: Percent | None = Field(
+        default=None, description="creases scored as whole lines, which are not cut through"
+    )
+    engrave_percent: Percent | None = Field(default=None, description="marks on the surface")
+
+
 class Machine(Bedded):
     """What cuts the sheet: how large, how fast, and which file its software wants."""
 
     kind: Literal["cutter"] = "cutter"
     kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
     speeds: Speeds
+    powers: Powers = Powers()
     stroke_mm: float = Field(
         default=STROKE_MM,
         ge=0.001,
@@ -97,14 +111,14 @@ class Machine(Bedded):
 
 
 def perforation_for(
-    machine: Machine, material: Material, *, scored: bool = False
+    machine: Machine, material: Material, *, scored: bool = False, dashed: bool = False
 ) -> PerforationSettings:
     """How creases of the material are drawn for the machine.
 
     Where they are scored, and for software that perforates by itself, each crease is a whole line
-    on the layer of its assignment.
+    on the layer of its assignment. dashed : whether dashes are drawn for such software too.
     """
-    if machine.profile == "pre_dashed" and not scored:
+    if (dashed or machine.profile == "pre_dashed") and not scored:
         return material.perforation
     whole = {"mountain": ScoreStyle(), "valley": ScoreStyle(), "bands": []}
     return material.perforation.model_copy(update=whole)

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
-from fab.drawings.drawing_files import SheetFormat
+from fab.drawings.cut_paths import Operation
+from fab.drawings.cut_settings import CutSetting
+from fab.drawings.drawing_files import PROGRAMS, USUAL, DrawingStyle, SheetFormat
+from fab.sheets.crease_styles import EngraveStyle, NoStyle, ScoreStyle
 from fab.sheets.materials import Machine, Material, Speeds, perforation_for
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.pieces import SheetSplit
@@ -32,7 +36,8 @@ class SheetRequest:
     copies : of the pattern, 1 or more.
     registration : where given, creases are scored on the side on which they open, and each sheet
         has a front and a back (`fab.sheets.registration`); the stock is as large as the bed.
-    formats : of the drawings.
+    formats : of the drawings. With one that the machine follows line by line, all of them hold
+        dashes, whatever the machine's profile.
     page : whether a result page shows them.
 
     Raises `InvalidValue` for copies that are no such number.
@@ -42,7 +47,7 @@ class SheetRequest:
     machine: Machine
     copies: int = 1
     registration: Registration | None = None
-    formats: Sequence[SheetFormat] = tuple(SheetFormat)
+    formats: Sequence[SheetFormat] = USUAL
     page: bool = True
 
     def __post_init__(self) -> None:
@@ -75,7 +80,8 @@ class SheetRequest:
     def perforation(self) -> PerforationSettings:
         """How creases are cut."""
         scored = self.registration is not None
-        return perforation_for(self.machine, self.material, scored=scored)
+        dashed = any(kind in PROGRAMS for kind in self.formats)
+        return perforation_for(self.machine, self.material, scored=scored, dashed=dashed)
 
     @property
     def speeds(self) -> Speeds:
@@ -87,3 +93,36 @@ class SheetRequest:
                 "perforate_mm_s": speeds.perforate_mm_s * ratio,
             }
         )
+
+    @property
+    def drawing_style(self) -> DrawingStyle:
+        """What the machine wants of its drawings."""
+        machine = self.machine
+        return DrawingStyle(
+            machine.colours, machine.dxf_version, machine.stroke_mm, self.cut_settings
+        )
+
+    @property
+    def cut_settings(self) -> dict[Operation, CutSetting]:
+        """Speed and power of each operation in the material."""
+        speeds, powers = self.speeds, self.machine.powers
+        cut = CutSetting(speeds.cut_mm_s, powers.cut_percent)
+        return {
+            Operation.ENGRAVE: CutSetting(speeds.engrave_mm_s, powers.engrave_percent),
+            Operation.MOUNTAIN: CutSetting(speeds.perforate_mm_s, self._crease_power("mountain")),
+            Operation.VALLEY: CutSetting(speeds.perforate_mm_s, self._crease_power("valley")),
+            Operation.RELIEF: cut,
+            Operation.CUT: cut,
+        }
+
+    def _crease_power(self, letter: Literal["mountain", "valley"]) -> float | None:
+        """Power for creases, in per cent; none where some are scored and others cut by dashes."""
+        perforation, powers = self.perforation, self.machine.powers
+        styles = [getattr(table, letter) for table in (perforation, *perforation.bands)]
+        if letter == "valley":  # the layer of valleys has these too
+            styles += [perforation.flat, perforation.unassigned]
+        elsewhere = NoStyle | EngraveStyle | None
+        scored = [isinstance(s, ScoreStyle) for s in styles if not isinstance(s, elsewhere)]
+        if all(scored):
+            return powers.score_percent
+        return None if any(scored) else powers.perforate_percent

@@ -18,6 +18,7 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 from helpers import PATTERNS, ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
+from machine_readers import read_lightburn
 
 from fab.cli.group import main
 
@@ -386,6 +387,27 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
     assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0
     for side in re.findall(r"`(curved_fold_1_\w+)`", part):
         assert f"{side}.dxf" in names_in("sheets")
+
+
+def test_the_files_for_machines_of_the_readme_are_made(here):
+    """The powers of README, put where it says, reach the files."""
+    text = (ROOT / "README.md").read_text()
+    part = text.partition("Files that a machine follows")[2].partition("\n## ")[0]
+    powers = re.search(r"`(powers = [^`]*)`", part)[1]
+    shipped = (TEMPLATES / "machines" / "co2_60w_600x400.toml").read_text()
+    Path("mine.toml").write_text(shipped.replace("[speeds]", f"{powers}\n\n[speeds]", 1))
+    Path("out").mkdir()
+    Path("out/curved_fold.fold").write_bytes(made_template("curved_fold").files["curved_fold.fold"])
+    for line in re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1].splitlines():
+        result = run(*line.partition("#")[0].split()[1:])
+        assert result.exit_code == 0, result.output
+        assert "power-unset" not in result.output
+    project = read_lightburn(Path("machine/curved_fold_1.lbrn2").read_bytes())
+    assert {name: float(layer["maxPower"]) for name, layer in project.layers.items()} == {
+        "MOUNTAIN": 70,
+        "VALLEY": 70,
+        "CUT": 80,
+    }
 
 
 def test_the_printer_part_of_the_readme_does_what_it_says(here):

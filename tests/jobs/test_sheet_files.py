@@ -26,7 +26,7 @@ from fab import read_pattern
 from fab.catalogue import shipped, shipped_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
-from fab.drawings.drawing_files import SheetFormat
+from fab.drawings.drawing_files import USUAL, SheetFormat
 from fab.errors import InvalidJob, Severity
 from fab.formats.fold.writer import fold_bytes
 from fab.geometry.rings import ring_areas
@@ -554,7 +554,7 @@ def test_both_sides_are_written_in_every_format(folder):
     words = ("fabricate", PATTERNS / "square_twist.fold", *CARD, "--width-mm", 120, "--two-sided")
     result = run(*words, "--out", "out")
     assert result.exit_code == 0, result.output
-    kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in SheetFormat]
+    kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in USUAL]
     written = sorted(path.name for path in (folder / "out").iterdir())
     assert written == sorted([*kinds, "square_twist_report.json", "square_twist_sheets.html"])
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
@@ -587,7 +587,7 @@ def test_file_names_of_any_bytes_become_names_that_can_be_read(folder):
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (folder / "out").iterdir())
     plain = 'a_[31m_<b>&"_'
-    drawings = [f"{plain}_1.{kind}" for kind in SheetFormat]
+    drawings = [f"{plain}_1.{kind}" for kind in USUAL]
     assert names == sorted([f"{plain}_report.json", f"{plain}_sheets.html", *drawings])
     plain += "_1"
     root = ElementTree.fromstring((folder / "out" / f"{plain}.svg").read_bytes())

@@ -9,7 +9,7 @@ import shapely
 
 from fab.catalogue import shipped_of
 from fab.drawings.cut_paths import Operation
-from fab.drawings.drawing_files import SheetFormat, drawing_files
+from fab.drawings.drawing_files import USUAL, DrawingStyle, drawing_files
 from fab.drawings.dxf import DxfVersion, dxf_bytes
 from fab.drawings.layer_colours import Colour, Colours
 from fab.sheets.coupon import coupon
@@ -132,7 +132,7 @@ def test_colours_are_those_of_the_machine():
     colours = Colours(engrave=Colour(hex="#123456", aci=42))
     machine = load_machine("co2_60w_600x400").model_copy(update={"colours": colours})
     card = coupon(machine, load_material("card_300gsm"))
-    files = drawing_files(card, "card", list(SheetFormat), machine.colours, DxfVersion.R12)
+    files = drawing_files(card, "card", USUAL, DrawingStyle(machine.colours, DxfVersion.R12))
     assert b'stroke="#123456"' in files["card.svg"]
     assert b"AC1009" in files["card.dxf"]
     assert ezdxf.read(StringIO(files["card.dxf"].decode())).layers.get("ENGRAVE").color == 42
