@@ -23,7 +23,7 @@ from pypdf import PdfReader
 from scipy.spatial import cKDTree
 
 from fab import read_pattern
-from fab.catalogue import shipped, shipped_of
+from fab.catalogue import known_of, shipped
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
 from fab.drawings.drawing_files import USUAL, SheetFormat
@@ -164,8 +164,8 @@ def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, c
 
 
 def test_every_material_suits_every_machine():
-    for machine in shipped_of("cutter"):
-        for material in shipped_of("sheet"):
+    for machine in known_of("cutter"):
+        for material in known_of("sheet"):
             style = perforation_for(load_machine(machine), load_material(material))
             whole = load_machine(machine).profile == "whole_lines"
             assert (style.mountain.kind == style.valley.kind == "score") or not whole

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from thick_sheets import SIDE_MM, book, solid
 
-from fab.catalogue import shipped, shipped_of
+from fab.catalogue import known_of, shipped
 from fab.clearance.soundness import inspect_solids
 from fab.cli.group import main
 from fab.errors import InvalidJob, Severity
@@ -27,7 +27,7 @@ from fab.printing.printability import (
 from fab.printing.printers import load_print_material, load_printer
 from fab.sheets.materials import load_machine, load_material
 
-PRINTERS, PRINTED = shipped_of("printer"), shipped_of("print")
+PRINTERS, PRINTED = known_of("printer"), known_of("print")
 
 
 def test_all_that_is_promised_is_shipped():

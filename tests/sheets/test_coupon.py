@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from fab.catalogue import shipped_of
+from fab.catalogue import known_of
 from fab.drawings.cut_paths import Operation
 from fab.drawings.drawing_files import USUAL, DrawingStyle, drawing_files
 from fab.drawings.dxf import DxfVersion, dxf_bytes
@@ -17,7 +17,7 @@ from fab.sheets.crease_styles import DotStyle
 from fab.sheets.materials import load_machine, load_material
 from solver.errors import InvalidValue
 
-CASES = [(k, m) for k in shipped_of("cutter") for m in shipped_of("sheet")]
+CASES = [(k, m) for k in known_of("cutter") for m in known_of("sheet")]
 
 
 def lines(layer):

@@ -5,7 +5,7 @@ import tomllib
 import pytest
 from click.testing import CliRunner
 
-from fab.catalogue import shipped_of
+from fab.catalogue import known_of
 from fab.cli.group import main
 from fab.drawings.cut_paths import Operation
 from fab.errors import InvalidJob
@@ -14,7 +14,7 @@ from fab.sheets.materials import load_machine, load_material, perforation_for
 from fab.sheets.perforation_settings import FoldBand, PerforationSettings
 from fab.sheets.relief_holes import ReliefSettings
 
-MATERIALS, MACHINES = shipped_of("sheet"), shipped_of("cutter")
+MATERIALS, MACHINES = known_of("sheet"), known_of("cutter")
 
 
 def test_all_that_is_promised_is_shipped():
