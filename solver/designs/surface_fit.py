@@ -105,9 +105,9 @@ class SurfaceFit:
 
     Attributes
     ----------
-    surface : the target: a name of `SURFACES` (waves is figure 4A), any `Target`, or a
-        `SurfaceMesh`, which can only be relaxed onto.
-    method : grow, relax, or auto: a `SurfaceMesh` is relaxed onto, and so is what folds rigidly;
+    surface : the target: a surface by its name (waves is figure 4A) or formula, or a mesh, which
+        can only be relaxed onto.
+    method : grow, relax, or auto: meshes are relaxed onto, and so is what folds rigidly;
         everything else is grown on.
     columns : m, number of quads across the surface's domain, along v; 40 where neither this nor
         one of the next two is given.

@@ -114,8 +114,11 @@ def test_the_handle_stays_out_of_arcs_where_faces_cross(hand):
     assert angle(hand) == pytest.approx(45.01, abs=1e-6)
     assert handle(hand).get_attribute("aria-valuetext") == "45.01 degrees, free"
     wait_until(hand, lambda: strips(hand)[0]["flap_angle_deg"] == pytest.approx(45.01))
+    top = "document.querySelector('#hand .circle').getBoundingClientRect().top + scrollY"
+    place_on_page = hand.evaluate(top)
     hand.locator("#hand .angle").fill("30")  # what is typed is asked for, and refused
     wait_until(hand, lambda: verdict(hand).startswith("Not grown"))
+    assert hand.evaluate(top) == place_on_page  # a message moves no circle from under the pointer
     notice = hand.locator("#notice").text_content()
     assert "flap angle of strip 1 (top side) = 30 deg" in notice
     assert "must lie between 45 deg" in notice

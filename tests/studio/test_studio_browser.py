@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from helpers import ROOT
 from studio_pages import differ, make, put, shot, verdict, wait_until
 
 
@@ -112,7 +113,36 @@ def test_a_pattern_is_dropped_and_folds(page, folder):
     wait_until(page, lambda: verdict(page).startswith("read: 48 faces"))
     wait_until(page, page.locator("#fold").is_enabled)
     assert page.locator("#title").text_content() == "miura.fold"
+    assert page.title() == "miura.fold - quadfold studio"
     assert not page.locator("#form").is_visible()
+
+
+def test_a_file_that_cannot_be_read_shows_nothing_of_the_last_sheet(page, tmp_path):
+    assert page.locator("#sizes").text_content() != ""
+    (tmp_path / "broken.fold").write_text('{"vertices_coords": []}', encoding="utf-8")
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(tmp_path / "broken.fold")
+    wait_until(page, lambda: verdict(page) == "Not grown")
+    assert "at least 3 points" in page.locator("#notice").text_content()
+    assert page.locator("#sizes").text_content() == ""
+    assert page.locator("#state").text_content() == ""
+    assert not page.locator("#form-view canvas").is_visible()
+    assert not page.locator('#pattern g[data-layer="B"]').is_visible()
+
+
+def test_a_pattern_without_fold_angles_is_called_flat(page):
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(ROOT / "tests" / "patterns" / "miura.fold")
+    wait_until(page, lambda: verdict(page).startswith("read: 40 faces"))
+    assert page.locator("#state").text_content() == "flat, without fold angles"
+    assert page.locator("#form-view canvas").is_visible()
+
+
+def test_the_gallery_fits_the_width_of_a_phone(page):
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.locator("#to-gallery").click()
+    root = page.locator("html")
+    assert root.evaluate("(each) => each.scrollWidth - each.clientWidth") == 0
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -44,7 +44,8 @@ function key(field, given, change) {
   const row = make("div", { className: "key" });
   const id = `key-${field.path.join("-")}`;
   const value = given ?? field.default;
-  const label = make("label", { htmlFor: id, textContent: field.path.at(-1) });
+  const label = make("label", { htmlFor: id });
+  label.append(...field.path.at(-1).split(/(?<=_)/).flatMap((part) => [part, make("wbr")])); // lines end after "_"
   const entry = make("span", { className: "entry" });
   const send = (next) => change(field.path, next);
   const input = INPUTS[field.kind](field, value, send);

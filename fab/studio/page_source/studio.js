@@ -9,6 +9,7 @@ import { remember, remembered } from "./memory.js";
 import { Newest, ask, leave, post } from "./messages.js";
 
 const STRIPS = JSON.stringify(["design", "strips"]); // as changes are kept by
+const STUDIO = "quadfold studio";
 const FOLD_AFTER = 250; // milliseconds without a change
 const find = (selector) => document.querySelector(selector);
 
@@ -115,7 +116,7 @@ function showGallery() {
   drawPictures();
   find("#work").hidden = true;
   find("#to-gallery").hidden = true;
-  heading("quadfold studio");
+  heading(STUDIO);
 }
 
 function showWork(name) {
@@ -128,8 +129,25 @@ function showWork(name) {
 
 /** Say what is shown now, also to those who do not see it: the keyboard goes on from there. */
 function heading(text) {
-  find("#title").textContent = text;
+  title(text);
   find("#title").focus({ preventScroll: true });
+}
+
+/** Name the page and its tab. */
+function title(text) {
+  find("#title").textContent = text;
+  document.title = text === STUDIO ? STUDIO : `${text} - ${STUDIO}`;
+}
+
+/** Show no sheet: that of another job is not one of this. */
+function clear() {
+  sheet = undefined;
+  find(".views").classList.add("empty");
+  find("#sizes").textContent = "";
+  find("#findings").replaceChildren();
+  find("#state").textContent = "";
+  find("#fold").disabled = true;
+  showDetail("");
 }
 
 /**
@@ -141,7 +159,7 @@ async function openJob(message, file, { unsettled = [], saved } = {}) {
   if (!answer.fields) return refuse(answer);
   notice("");
   job = { text: answer.text, unsettled: new Map(unsettled), saved };
-  sheet = undefined;
+  clear();
   showWork(answer.name);
   find("#keys").hidden = find("#save-job").hidden = false;
   find("#save-name").value = file;
@@ -202,7 +220,7 @@ function dropOtherSizes(path, fields) {
 /** Show the pattern in a file; there is no job to change. */
 function openPattern(file) {
   job = undefined;
-  sheet = undefined;
+  clear();
   showWork(file);
   find("#keys").hidden = find("#save-job").hidden = true;
   files.begin({ isJob: false });
@@ -244,9 +262,11 @@ function show(answer, later) {
     letters: answer.letters,
     view: answer.view ?? sheet.view,
     states: [numbers.folded],
+    folds: "folded" in answer.boxes,
     colours: start.colours,
     source: answer.job ? { text: answer.text } : { file: answer.file },
   };
+  find(".views").classList.remove("empty");
   showDetail(answer.detail);
   drawForm(same);
   pattern.show(sheet);
@@ -277,7 +297,7 @@ function settle({ text, name, changes }) {
     if (job.unsettled.get(key)?.[1] === value) job.unsettled.delete(key);
   }
   find("#text").value = text;
-  find("#title").textContent = name;
+  title(name);
   keepWork();
 }
 
@@ -304,7 +324,7 @@ function showDetail(note) {
 
 function foldTo() {
   const share = Number(find("#fold").value);
-  const name = share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
+  const name = sheet && !sheet.folds ? "flat, without fold angles" : share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
   find("#state").textContent = name;
   find("#fold").setAttribute("aria-valuetext", name);
   if (sheet && view) view.fold(share * (sheet.states.length - 1));
