@@ -73,3 +73,57 @@ def read_lightburn(data: bytes) -> LightBurnProject:
         strokes.append(Stroke(names[shape.get("CutIndex")], points[order]))
     planner = {v.tag: float(v.get("Value")) for v in root.find("UIPrefs")}
     return LightBurnProject({t["name"]: t for t in tables}, strokes, root.find("Notes"), planner)
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Strokes by tool in order, mm; where the head goes at all, shape (n, 2); speeds, cm/s."""
+
+    strokes: list[Stroke]
+    moves: np.ndarray
+    speeds: dict[str, int]
+
+    def turned_back(self, width: float) -> Plot:
+        """With x and y of a sheet that many mm wide, whose depth was along the x axis."""
+
+        def back(points: np.ndarray) -> np.ndarray:
+            return np.column_stack([width - points[:, 1], points[:, 0]])
+
+        strokes = [Stroke(stroke.tool, back(stroke.points)) for stroke in self.strokes]
+        return Plot(strokes, back(self.moves), self.speeds)
+
+
+def read_plotter(data: bytes) -> Plot:
+    """HP-GL as a plotter obeys it: instruction by instruction, pen up or down, 40 units a mm."""
+    tool, down, at = "0", False, (0, 0)
+    moves, strokes, speeds, drawn = [at], [], {}, []
+    text = data.decode("ascii").replace("\n", "")
+    assert text.startswith("IN;")
+    assert text.endswith(";")
+    for number, word in enumerate(text[:-1].split(";")):
+        name, rest = word[:2], word[2:]
+        values = [int(value) for value in rest.split(",")] if rest else []
+        if name in ("PU", "SP") and drawn:
+            strokes.append(Stroke(tool, np.array(drawn) / 40))
+            drawn = []
+        if name == "IN":
+            assert number == 0
+        elif name == "SP":
+            assert not down
+            tool = str(*values)
+        elif name == "VS":
+            speeds[tool] = values[0]
+        elif name in ("PU", "PD"):
+            assert len(values) % 2 == 0
+            down = name == "PD"
+            assert tool != "0" or not down
+            points = list(zip(values[::2], values[1::2], strict=True))
+            if down:
+                drawn = [*(drawn or [at]), *points]
+            at = points[-1] if points else at
+            moves += points
+        else:
+            assert word == "PA"
+    assert not down
+    assert tool == "0"
+    return Plot(strokes, np.array(moves) / 40, speeds)

@@ -22,12 +22,13 @@ class SheetFormat(StrEnum):
     SVG = "svg"
     PDF = "pdf"
     LBRN2 = "lbrn2"
+    PLT = "plt"
 
 
 # What is made where nobody says; the others are made on request.
 USUAL = (SheetFormat.DXF, SheetFormat.SVG, SheetFormat.PDF)
 # What a machine follows line by line: dashes have to be lines in it.
-PROGRAMS = frozenset({SheetFormat.LBRN2})
+PROGRAMS = frozenset({SheetFormat.LBRN2, SheetFormat.PLT})
 
 
 @dataclass(frozen=True)
@@ -73,4 +74,8 @@ def drawing_files(
         from fab.drawings.lightburn import lightburn_bytes
 
         files[f"{name}.lbrn2"] = lightburn_bytes(paths, name, style.settings)
+    if SheetFormat.PLT in formats:
+        from fab.drawings.plotter import plotter_bytes
+
+        files[f"{name}.plt"] = plotter_bytes(paths, style.settings)
     return files

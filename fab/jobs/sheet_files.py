@@ -51,6 +51,7 @@ class FabricatedFormat(StrEnum):
     SVG = "svg"
     PDF = "pdf"
     LBRN2 = "lbrn2"
+    PLT = "plt"
     HTML = "html"
 
 

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 import shapely
 from helpers import PATTERNS
-from machine_readers import lengths_by_tool, read_lightburn
+from machine_readers import lengths_by_tool, read_lightburn, read_plotter
 
 from fab import read_pattern
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, polylines
 from fab.drawings.drawing_files import SheetFormat
 from fab.drawings.lightburn import lightburn_bytes
+from fab.drawings.plotter import plotter_bytes
 from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.materials import Powers, load_machine, load_material
@@ -159,3 +160,47 @@ def test_lines_that_meet_are_one_and_titles_are_escaped():
     assert data == lightburn_bytes(CutPaths((layer,), (10, 10)), 'a "<&>\x00')
     assert "speed" not in project.layers["CUT"]
     assert polylines(Layer(Operation.CUT)) == []
+
+
+TOOLS = dict(enumerate(Operation, 1))
+ROUNDED = 0.0125 + 1e-9
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_plotter_files_are_the_drawing_within_their_rounding(case):
+    """Every line of the project for LightBurn is there, its points off by at most half a unit."""
+    made, request = made_of(*case, kind="plt")
+    exact, _ = made_of(*case)
+    width, depth = request.machine.bed_mm
+    for (drawing, data), (_, project) in zip(
+        drawings_of(made, "plt"), drawings_of(exact, "lbrn2"), strict=True
+    ):
+        plot = read_plotter(data)
+        if depth > width:
+            # back from the feed of the roll to the drawing
+            plot = plot.turned_back(width)
+        assert (plot.moves >= 0).all()
+        assert (plot.moves <= request.machine.bed_mm).all()
+        wanted = read_lightburn(project).strokes
+        assert [TOOLS[int(s.tool)] for s in plot.strokes] == [s.tool for s in wanted]
+        for stroke, line in zip(plot.strokes, wanted, strict=True):
+            assert np.abs(stroke.points - line.points).max() <= ROUNDED
+        lengths = lengths_by_tool(plot.strokes)
+        sides = {t: sum(len(s.points) for s in plot.strokes if s.tool == t) for t in lengths}
+        for tool, length in lengths.items():
+            bound = sides[tool] * 2 * np.sqrt(2) * ROUNDED
+            assert length == pytest.approx(dxf_lengths(drawing)[TOOLS[int(tool)]], abs=bound)
+        speeds = request.speeds
+        assert plot.speeds["5"] == max(1, round(speeds.cut_mm_s / 10))
+        assert plot.speeds["2"] == max(1, round(speeds.perforate_mm_s / 10))
+
+
+def test_pages_of_plotters_lie_along_the_feed_and_are_not_mirrored():
+    """A bed 20 wide and 50 deep: its upper left corner is the origin, its depth the x axis."""
+    line = np.array([[[2.0, 3], [2, 13.01]]])
+    layer = Layer(Operation.CUT, line)
+    plot = read_plotter(plotter_bytes(CutPaths((layer,), (20, 50))))
+    assert plot.strokes[0].points.tolist() == [[3, 18], [13, 18]]
+    assert plot.speeds == {}
+    flat = plotter_bytes(CutPaths((Layer(Operation.VALLEY), layer), (50, 20)))
+    assert flat == b"IN;PA;\nPU;SP5;\nPU80,120;PD80,520;\nPU0,0;SP0;\n"
