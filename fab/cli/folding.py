@@ -268,6 +268,6 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     yield (
         f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
         + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
-        + f"creases by at most {verdict['angle_error_max_deg']:.1e} degrees, strain "
-        f"{verdict['strain_max']:.1e} (on the way {verdict['peak_strain']:.1e})"
+        + f"creases by at most {verdict['angle_error_max_deg']:.2g} degrees, strain "
+        f"{verdict['strain_max']:.2g} (on the way {verdict['peak_strain']:.2g})"
     )

@@ -151,7 +151,7 @@ class RigidMotion:
             ways = ", " + more + counted(freedom.count, "degree", "degrees") + " of freedom"
         missed = ""
         if self.missed_rad is not None:
-            missed = f" (the nearest misses closure by {np.degrees(self.missed_rad):.1e} degrees)"
+            missed = f" (the nearest misses closure by {np.degrees(self.missed_rad):.2g} degrees)"
         driven = ""
         if len(self.path):
             edge, angle = self.creases.edges[self.driving], self.path[-1, self.driving]

@@ -293,8 +293,10 @@ def _crosses_on_the_way(verdict: Verdict) -> Finding | None:
     crossing = [point.load for point in verdict.path if point.crossings]
     if not crossing:
         return None
+    first, last = (f"{load:.0%}" for load in (crossing[0], crossing[-1]))
+    where = f"at {first}" if first == last else f"from {first} to {last}"
     text = (
-        f"faces pass through each other from {crossing[0]:.0%} to {crossing[-1]:.0%} of the "
+        f"faces pass through each other {where} of the "
         "fold: the simulation knows no contact. Paper would have to be folded in another order."
     )
     severity = Severity.WARNING if verdict.path[-1].crossings else Severity.NOTE

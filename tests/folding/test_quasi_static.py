@@ -219,7 +219,11 @@ def test_faces_that_pass_through_each_other_on_the_way_are_reported(tmp_path):
     state = next(s for s in folding.states if s.load == crossing[0])
     triangles = folding.frame.triangles_vertices
     assert len(crossing_faces(state.coords, triangles.ravel(), 3 * np.arange(len(triangles) + 1)))
-    assert "crosses-on-the-way" in {finding.code for finding in findings_of(verdict)}
+    once = tuple(each for each in verdict.path if not each.crossings or each.load == crossing[0])
+    texts = {each.code: each.text for each in findings_of(replace(verdict, path=once))}
+    assert f"each other at {crossing[0]:.0%} of the fold" in texts["crosses-on-the-way"]
+    texts = {each.code: each.text for each in findings_of(verdict)}
+    assert f"from {crossing[0]:.0%} to {crossing[-1]:.0%} of" in texts["crosses-on-the-way"]
 
 
 def test_the_same_pattern_folds_to_the_same_bits(tmp_path):

@@ -290,6 +290,9 @@ def test_pages_are_light_or_dark_as_the_system_is_and_as_the_user_chooses(browse
         ground, text = brightness(page)
         space = shot(page)[2, 2].astype(int).sum()
         assert (ground < text) == (space < 300) == (scheme == "dark")
+        under = "(each) => getComputedStyle(each).backgroundColor"
+        swatch = page.locator("label > svg").first.evaluate(under)
+        assert swatch == page.locator(".drawing > svg").first.evaluate(under)  # seen as on paper
         page.locator("#theme").click()
         other_ground, other_text = brightness(page)
         assert (other_ground < other_text) != (ground < text)
@@ -330,6 +333,7 @@ def test_pages_print_pictures_and_all_numbers(browser, pages, command):
         page.evaluate("dispatchEvent(new Event('beforeprint'))")
         assert page.locator(".still img, .still figure > svg").first.is_visible()
         assert not page.locator("canvas").is_visible()
+        assert not page.locator("footer pre").is_visible()  # a licence of software, not of paper
         ground, text = brightness(page)
         assert ground > text
         assert len(page.pdf()) > 10_000
