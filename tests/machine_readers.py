@@ -127,3 +127,61 @@ def read_plotter(data: bytes) -> Plot:
     assert not down
     assert tool == "0"
     return Plot(strokes, np.array(moves) / 40, speeds)
+
+
+@dataclass(frozen=True)
+class LaserRun:
+    """Strokes with the laser on, by the comment before them; all places of the head, shape (n, 2);
+    S and F of each tool."""
+
+    strokes: list[Stroke]
+    moves: np.ndarray
+    settings: dict[str, tuple[float, float]]
+
+
+def read_grbl(data: bytes) -> LaserRun:
+    """G-code as GRBL 1.1 runs it: modal words, one block a line, the laser on in G1 after M4."""
+    tool, drawn_by, motion, on, ended = "", "", "", False, False
+    at, power, feed = (0.0, 0.0), 0.0, 0.0
+    moves, strokes, settings, drawn = [at], [], {}, []
+    modes = set()
+    for line in data.decode("ascii").splitlines():
+        assert len(line) < 80, "GRBL's line buffer"
+        assert not set(line) & set("?!~\x18"), "GRBL obeys these at once"
+        assert not ended
+        code, _, comment = line.partition(";")
+        if not code.strip():
+            tool = comment.strip()
+            continue
+        words = re.findall(rf"([A-Z])({_NUMBER})", code)
+        assert "".join(f"{letter}{number}" for letter, number in words) == code.replace(" ", "")
+        values = {letter: float(number) for letter, number in words}
+        assert len(values) == len(words)
+        power, feed = values.get("S", power), values.get("F", feed)
+        if "M" in values:
+            assert values["M"] in (2, 4, 5)
+            on, ended = values["M"] == 4, values["M"] == 2
+        if "G" in values:
+            name = f"G{values['G']:g}"
+            assert name in ("G0", "G1", "G21", "G90", "G94")
+            if name in ("G0", "G1"):
+                motion = name
+            else:
+                modes.add(name)
+        burning = on and motion == "G1" and power > 0
+        if drawn and not ("X" in values and burning):
+            strokes.append(Stroke(drawn_by, np.array(drawn)))
+            drawn = []
+        if "X" in values:
+            assert modes == {"G21", "G90", "G94"}
+            assert motion == "G0" or feed > 0
+            place = (values["X"], values["Y"])
+            if burning:
+                drawn = [*(drawn or [at]), place]
+                drawn_by = tool
+                assert settings.setdefault(tool, (power, feed)) == (power, feed)
+            at = place
+            moves.append(at)
+    assert ended
+    assert not on
+    return LaserRun(strokes, np.array(moves), settings)

@@ -97,8 +97,8 @@ def test_every_fault_is_named_with_its_bound_and_cure():
         "profile = 'dashed' is out of bounds: it must be 'pre_dashed' or 'whole_lines'. Correct it "
         "(creases as dashes, or as whole lines for software that perforates by itself).",
         "bed is not a known key. Did you mean bed_mm? Known here: bed_mm, colours, description, "
-        "dxf_version, kerf_mm, kind, margin_mm, powers, profile, speeds, starting_points, "
-        "stroke_mm.",
+        "dxf_version, kerf_mm, kind, margin_mm, powers, profile, s_max, speeds, "
+        "starting_points, stroke_mm.",
     ]
     with pytest.raises(InvalidJob, match=r"description is missing. Add it .one line.*. Begin anew"):
         checked(Machine, {}, "mine.toml", "Begin anew.")

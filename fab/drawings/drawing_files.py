@@ -23,12 +23,13 @@ class SheetFormat(StrEnum):
     PDF = "pdf"
     LBRN2 = "lbrn2"
     PLT = "plt"
+    GCODE = "gcode"
 
 
 # What is made where nobody says; the others are made on request.
 USUAL = (SheetFormat.DXF, SheetFormat.SVG, SheetFormat.PDF)
 # What a machine follows line by line: dashes have to be lines in it.
-PROGRAMS = frozenset({SheetFormat.LBRN2, SheetFormat.PLT})
+PROGRAMS = frozenset({SheetFormat.LBRN2, SheetFormat.PLT, SheetFormat.GCODE})
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,14 @@ class DrawingStyle:
     colours : of the operations.
     stroke_mm : width of the lines in SVG; in DXF and PDF they are as thin as can be.
     settings : speed and power of the operations, for formats that hold them.
+    s_max : S of G-code at full power.
     """
 
     colours: Colours = field(default_factory=Colours)
     dxf_version: DxfVersion = DxfVersion.R2000
     stroke_mm: float = STROKE_MM
     settings: Mapping[Operation, CutSetting] = field(default_factory=dict)
+    s_max: float = 1000.0
 
 
 def drawing_files(
@@ -58,7 +61,10 @@ def drawing_files(
 
     name : of the files, without their endings, and the title of the drawing.
 
-    Raises `InvalidValue` where a sheet is larger than a page of PDF may be.
+    G-code has a second file, `name`_frame, a run around the lines without power.
+
+    Raises `InvalidValue` where a sheet is larger than a page of PDF may be, `InvalidState` where
+    G-code has an operation without power.
     """
     style = style or DrawingStyle()
     files = {}
@@ -78,4 +84,9 @@ def drawing_files(
         from fab.drawings.plotter import plotter_bytes
 
         files[f"{name}.plt"] = plotter_bytes(paths, style.settings)
+    if SheetFormat.GCODE in formats:
+        from fab.drawings.gcode import frame_bytes, gcode_bytes
+
+        files[f"{name}.gcode"] = gcode_bytes(paths, style.settings, style.s_max)
+        files[f"{name}_frame.gcode"] = frame_bytes(paths, style.settings)
     return files

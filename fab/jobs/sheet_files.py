@@ -52,6 +52,7 @@ class FabricatedFormat(StrEnum):
     PDF = "pdf"
     LBRN2 = "lbrn2"
     PLT = "plt"
+    GCODE = "gcode"
     HTML = "html"
 
 
@@ -80,7 +81,8 @@ def fabricate(
     first copy, on the front.
 
     Raises `InvalidValue` where a face is larger than the bed, a style does not suit the kerf, or
-    all copies of all pieces have more than 5 million dashes.
+    all copies of all pieces have more than 5 million dashes; `InvalidState` where G-code has an
+    operation whose power the machine does not have.
     """
     progress("split", 0, 1)
     pieces, split_findings = split(
@@ -132,7 +134,7 @@ def sheet_names(name: str) -> re.Pattern[str]:
     >>> [bool(sheet_names("a").fullmatch(file)) for file in ("a_12_back.dxf", "a.dxf")]
     [True, False]
     """
-    drawing = rf"_\d+(_front|_back)?\.({'|'.join(SheetFormat)})"
+    drawing = rf"_\d+(_front|_back)?(_frame)?\.({'|'.join(SheetFormat)})"
     return re.compile(rf"{re.escape(name)}({drawing}|_sheets\.html)")
 
 

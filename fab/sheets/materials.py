@@ -97,6 +97,9 @@ class Machine(Bedded):
     kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
     speeds: Speeds
     powers: Powers = Powers()
+    s_max: float = Field(
+        default=1000.0, gt=0, le=1e6, description="S of G-code at full power, $30 of GRBL"
+    )
     stroke_mm: float = Field(
         default=STROKE_MM,
         ge=0.001,

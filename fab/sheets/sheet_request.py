@@ -14,7 +14,7 @@ from fab.sheets.materials import Machine, Material, Speeds, perforation_for
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.pieces import SheetSplit
 from fab.sheets.registration import Registration
-from solver.errors import require_count
+from solver.errors import InvalidState, require_count
 
 __all__ = ["SheetRequest"]
 
@@ -40,7 +40,8 @@ class SheetRequest:
         dashes, whatever the machine's profile.
     page : whether a result page shows them.
 
-    Raises `InvalidValue` for copies that are no such number.
+    Raises `InvalidValue` for copies that are no such number, `InvalidState` for G-code of a machine
+    that has no power to cut with.
     """
 
     material: Material
@@ -52,6 +53,13 @@ class SheetRequest:
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")
+        if SheetFormat.GCODE in self.formats and self.machine.powers.cut_percent is None:
+            raise InvalidState(
+                "machine",
+                "the machine has no powers.cut_percent, and G-code has to state powers",
+                "Give cut_percent, perforate_percent, score_percent and engrave_percent in "
+                "[powers] of a machine of your own.",
+            )
 
     @property
     def margin_mm(self) -> float:
@@ -99,7 +107,11 @@ class SheetRequest:
         """What the machine wants of its drawings."""
         machine = self.machine
         return DrawingStyle(
-            machine.colours, machine.dxf_version, machine.stroke_mm, self.cut_settings
+            machine.colours,
+            machine.dxf_version,
+            machine.stroke_mm,
+            self.cut_settings,
+            machine.s_max,
         )
 
     @property

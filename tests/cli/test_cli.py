@@ -18,7 +18,7 @@ import pytest
 import trimesh
 from click.testing import CliRunner
 from helpers import PATTERNS, ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
-from machine_readers import read_lightburn, read_plotter
+from machine_readers import read_grbl, read_lightburn, read_plotter
 
 from fab.cli.group import main
 
@@ -403,6 +403,14 @@ def test_the_files_for_machines_of_the_readme_are_made(here):
         assert result.exit_code == 0, result.output
         assert "power-unset" not in result.output
     assert len(read_plotter(Path("knife/curved_fold_1.plt").read_bytes()).strokes) > 100
+    assert "`curved_fold_1_frame.gcode`" in part
+    assert read_grbl(Path("machine/curved_fold_1_frame.gcode").read_bytes()).strokes == []
+    run_of = read_grbl(Path("machine/curved_fold_1.gcode").read_bytes())
+    assert {tool: power for tool, (power, _) in run_of.settings.items()} == {
+        "MOUNTAIN": 700,
+        "VALLEY": 700,
+        "CUT": 800,
+    }
     project = read_lightburn(Path("machine/curved_fold_1.lbrn2").read_bytes())
     assert {name: float(layer["maxPower"]) for name, layer in project.layers.items()} == {
         "MOUNTAIN": 70,

@@ -7,18 +7,22 @@ import numpy as np
 import pytest
 import shapely
 from helpers import PATTERNS
-from machine_readers import lengths_by_tool, read_lightburn, read_plotter
+from machine_readers import Stroke, lengths_by_tool, read_grbl, read_lightburn, read_plotter
 
 from fab import read_pattern
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, polylines
+from fab.drawings.cut_settings import CutSetting
 from fab.drawings.drawing_files import SheetFormat
+from fab.drawings.gcode import gcode_bytes
 from fab.drawings.lightburn import lightburn_bytes
 from fab.drawings.plotter import plotter_bytes
 from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import scaled
+from fab.sheets.cutting_order import tour
 from fab.sheets.materials import Powers, load_machine, load_material
 from fab.sheets.registration import Registration
 from fab.sheets.sheet_request import SheetRequest
+from solver import InvalidState
 
 POWERS = Powers(cut_percent=80, perforate_percent=60, score_percent=15, engrave_percent=12.5)
 # Machine, material, pattern, width in mm, copies: dashes, living hinges, letters, a deep bed.
@@ -204,3 +208,72 @@ def test_pages_of_plotters_lie_along_the_feed_and_are_not_mirrored():
     assert plot.speeds == {}
     flat = plotter_bytes(CutPaths((Layer(Operation.VALLEY), layer), (50, 20)))
     assert flat == b"IN;PA;\nPU;SP5;\nPU80,120;PD80,520;\nPU0,0;SP0;\n"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_gcode_is_the_drawing_at_the_feeds_and_powers_of_the_machine(case):
+    made, request = made_of(*case, kind="gcode", of={"s_max": 255.0})
+    for drawing, data in drawings_of(made, "gcode"):
+        run = read_grbl(data)
+        assert lengths_by_tool(run.strokes) == pytest.approx(dxf_lengths(drawing), abs=1e-3)
+        assert in_order([stroke.tool for stroke in run.strokes])
+        assert frees_pieces_last(run.strokes)
+        assert (run.moves >= 0).all()
+        assert (run.moves <= request.machine.bed_mm).all()
+        assert run.moves[-1].tolist() == [0, 0]
+        wanted = request.cut_settings
+        for tool, (power, feed) in run.settings.items():
+            assert feed == pytest.approx(60 * wanted[tool].speed_mm_s)
+            assert power == pytest.approx(2.55 * wanted[tool].power_percent)
+        margin = request.machine.margin_mm
+        assert run.moves[1:-1].min() >= margin - 1e-6
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_run_around_the_lines_has_no_power_and_touches_them(case):
+    made, _ = made_of(*case, kind="gcode")
+    stems = [name.removesuffix("_frame.gcode") for name in made.files if "_frame" in name]
+    assert len(stems) == len(made.report["sheets"])
+    for stem in stems:
+        frame = read_grbl(made.files[f"{stem}_frame.gcode"])
+        assert frame.strokes == []
+        lines = np.concatenate([s.points for s in read_grbl(made.files[f"{stem}.gcode"]).strokes])
+        corners = frame.moves[1:-1]
+        assert len(corners) == 5
+        assert (corners[0] == corners[-1]).all()
+        assert corners.min(axis=0) == pytest.approx(lines.min(axis=0), abs=1e-6)
+        assert corners.max(axis=0) == pytest.approx(lines.max(axis=0), abs=1e-6)
+        steps = np.diff(corners, axis=0)
+        assert ((steps == 0).sum(axis=1) == 1).all()
+
+
+def test_gcode_without_a_power_is_refused_with_its_cure():
+    with pytest.raises(InvalidState, match=r"no powers\.cut_percent.*Give cut_percent"):
+        made_of(*CASES[0], kind="gcode", of={"powers": Powers()})
+    with pytest.raises(InvalidState, match=r"power of MOUNTAIN is not known.*perforate_percent"):
+        made_of(*CASES[0], kind="gcode", of={"powers": Powers(cut_percent=80)})
+
+
+def nested():
+    """A square in a ring in a frame, the largest first, and another beside them."""
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    rings = (60 * square + 1, 40 * square + 10, 10 * square + 20, 10 * square + [70, 1])
+    return CutPaths((Layer(Operation.CUT, outlines=rings),), (100, 100))
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        (lambda paths, settings: lightburn_bytes(paths, "a", settings), read_lightburn),
+        (plotter_bytes, read_plotter),
+        (lambda paths, settings: gcode_bytes(paths, settings, 1000.0), read_grbl),
+    ],
+)
+def test_inner_outlines_are_cut_before_those_around_them(written, read):
+    settings = {Operation.CUT: CutSetting(20.0, 50.0)}
+    for paths, right in [(nested(), False), (tour(nested()), True)]:
+        data = written(paths, settings)
+        assert data == written(paths, settings)
+        strokes = [Stroke(Operation.CUT, stroke.points) for stroke in read(data).strokes]
+        assert len(strokes) == 4
+        assert frees_pieces_last(strokes) == right
