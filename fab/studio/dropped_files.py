@@ -9,13 +9,14 @@ from typing import Any
 
 from fab.errors import InvalidFile
 from fab.files import shortened
+from fab.formats.reading import READ
 from fab.outputs import Made, write
 
 __all__ = ["MOST_DROPPED", "kept_file"]
 
 MOST_DROPPED = 50_000_000
 _SURFACES = (".stl", ".obj", ".ply", ".off", ".3mf", ".glb", ".step", ".stp")
-_PATTERNS = (".fold", ".svg", ".dxf", ".cp", ".opx", ".ori")
+_PATTERNS = tuple(ending for ending in READ if ending not in _SURFACES)
 _JOB = """name = "{name}"
 
 [design]

@@ -380,6 +380,9 @@ def test_dropped_surfaces_come_with_a_job_and_others_are_refused(client, folder)
     head = head_of(client.post("drop", params={"name": "a.stl"}, content=b"solid").content)
     assert job_of_text(head["text"], folder).design.surface == head["file"] == "a.stl"
     assert "refused" in head_of(grown(client, head["text"]))
+    for name in ("old.orh", "packed.svgz"):  # patterns, as every format that is read
+        kept = head_of(client.post("drop", params={"name": name}, content=b"x").content)
+        assert (kept["file"], kept["text"]) == (name, None)
     before = files_under(folder.parent)
     for name in ("x.exe", "x", "", ".fold", "x.toml"):
         head = head_of(client.post("drop", params={"name": name}, content=b"x").content)

@@ -117,6 +117,21 @@ def test_a_pattern_is_dropped_and_folds(page, folder):
     assert not page.locator("#form").is_visible()
 
 
+def test_a_job_is_dropped_and_its_text_is_shown(page, folder, tmp_path):
+    text = (folder / "own.toml").read_text(encoding="utf-8").replace("rows = 8", "rows = 3")
+    (tmp_path / "other.toml").write_text(text, encoding="utf-8")
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(tmp_path / "other.toml")
+    wait_until(page, lambda: verdict(page) == "grown: 18 faces.")
+    assert page.locator("#save-name").input_value() == "other.toml"
+    assert page.locator("#text").input_value() == text
+    assert not (folder / "other.toml").exists()  # until it is saved
+    (tmp_path / "broken.toml").write_text("name = ", encoding="utf-8")
+    page.locator("#file").set_input_files(tmp_path / "broken.toml")
+    wait_until(page, lambda: page.locator("#notice").is_visible())
+    assert page.locator("#text").input_value() == text  # the job before it stays
+
+
 def test_a_file_that_cannot_be_read_shows_nothing_of_the_last_sheet(page, tmp_path):
     assert page.locator("#sizes").text_content() != ""
     (tmp_path / "broken.fold").write_text('{"vertices_coords": []}', encoding="utf-8")

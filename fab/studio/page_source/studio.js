@@ -194,8 +194,9 @@ function put(path, value) {
   else field.value = value ?? "";
 }
 
-/** Open a file of the user's: a pattern, or a surface with a job that follows it. */
+/** Open a file of the user's: a job, a pattern, or a surface with a job that follows it. */
 async function openFile(chosen) {
+  if (/\.toml$/i.test(chosen.name)) return openJob({ text: await chosen.text() }, chosen.name);
   const answer = await post(`drop?name=${encodeURIComponent(chosen.name)}`, chosen);
   if (!answer.file) return notice(answer.refused ?? answer.lost);
   notice("");
