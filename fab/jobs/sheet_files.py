@@ -131,8 +131,9 @@ def _unset_powers(drawn: Sequence[_Drawn], request: SheetRequest) -> list[Findin
 def sheet_names(name: str) -> re.Pattern[str]:
     """Names of the files of a pattern's sheets.
 
-    >>> [bool(sheet_names("a").fullmatch(file)) for file in ("a_12_back.dxf", "a.dxf")]
-    [True, False]
+    >>> files = ("a_12_back.dxf", "a_1_frame.gcode", "a.dxf")
+    >>> [bool(sheet_names("a").fullmatch(file)) for file in files]
+    [True, True, False]
     """
     drawing = rf"_\d+(_front|_back)?(_frame)?\.({'|'.join(SheetFormat)})"
     return re.compile(rf"{re.escape(name)}({drawing}|_sheets\.html)")
