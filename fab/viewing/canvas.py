@@ -15,13 +15,13 @@ from fab.outputs import plain_title
 from fab.viewing.scales import Scale, ScaleKind
 from solver.vectors import FloatArray
 
-__all__ = ["Box", "Canvas", "bar_length_mm", "colour_map"]
+__all__ = ["BAR_SHARE", "Box", "Canvas", "bar_length_mm", "colour_map", "line_width"]
 
 _DPI = 100
 _INK = 0.15
 _BAR_PIXELS, _TICK_PIXELS = 3, 9
 # A scale bar is no longer than this share of the width of what it belongs to.
-_BAR_SHARE = 0.3
+BAR_SHARE = 0.3
 _STRIP_PIXELS = 14
 # Width of a letter over the size of its font, about.
 _LETTER = 0.62
@@ -89,7 +89,7 @@ class Canvas:
         """
         text = plain_title(text)
         if room is not None:
-            most = max(8, int(room / (size * _LETTER * _DPI / 72)))
+            most = max(8, int(room / line_width("m", size)))
             if len(text) > most:
                 text = textwrap.shorten(text, most, placeholder=" ...")
                 text = text if len(text) > 4 else ""
@@ -121,7 +121,7 @@ class Canvas:
 
     def scale_bar(self, box: Box, pixels_per_mm: float) -> Self:
         """A bar of a round length at the lower left of a box, its length beside it."""
-        length = bar_length_mm(_BAR_SHARE * box.width / pixels_per_mm)
+        length = bar_length_mm(BAR_SHARE * box.width / pixels_per_mm)
         pixels = round(length * pixels_per_mm)
         low = box.top + box.height
         self._pixels[low - _BAR_PIXELS : low, box.left : box.left + pixels] = _INK
@@ -166,6 +166,11 @@ class Canvas:
     def _place_pixels(self) -> None:
         image = np.round(self._pixels * 255).astype(np.uint8)
         self._figure.figimage(image, 0, 0, origin="upper", zorder=-1)
+
+
+def line_width(text: str, size: float) -> float:
+    """About how many pixels long a line is."""
+    return len(text) * size * _LETTER * _DPI / 72
 
 
 def bar_length_mm(most_mm: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fab.pattern.crease_pattern import CreasePattern
 from fab.viewing.camera import Camera, fitted
-from fab.viewing.canvas import Box, Canvas
+from fab.viewing.canvas import BAR_SHARE, Box, Canvas, line_width
 from fab.viewing.painting import Shapes, painted
 from fab.viewing.scales import Scale
 from solver.vectors import FloatArray
@@ -191,8 +191,10 @@ def _write(
     foot = Box(box.left + _MARGIN, box.top, room, box.height - _MARGIN // 2)
     canvas.scale_bar(foot, pixels_per_mm)
     right = foot.left + foot.width
-    if scale is None:
+    bar = BAR_SHARE * room + line_width("  500 mm  ", 10)
+    if scale is None and bar + line_width(size, 10) <= room:
         canvas.text(size, right, foot.top + foot.height - 6, size=10, across="right")
     else:
         canvas.text(size, foot.left, foot.top + foot.height - 26, size=10)
+    if scale is not None:
         canvas.colour_bar(foot, scale)
