@@ -295,7 +295,7 @@ def mesh_arrays(path: str | Path) -> dict[str, Any]:
     triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
     if not len(triangles):
         cure = "It is empty, cut off, or holds points and lines alone: export the mesh again."
-        raise InvalidValue("path", str(path), "hold at least one face", cure)
+        raise InvalidState("path", f"{path} must hold at least one face", cure)
     quads = None if ending == "stl" else _quads_again(triangles)
     faces = triangles if quads is None else quads
     return {"vertices_coords": np.asarray(mesh.vertices, np.float64), "faces": faces}

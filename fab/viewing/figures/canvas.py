@@ -10,7 +10,17 @@ from typing import Any
 from fab.progress import Steps, no_steps
 from fab.viewing.movie_files import FRAME_MS
 
-__all__ = ["INK", "PALETTE", "Drawing", "Movie", "movie", "new_figure", "plain", "shaded"]
+__all__ = [
+    "INK",
+    "PALETTE",
+    "Drawing",
+    "Movie",
+    "all_around",
+    "movie",
+    "new_figure",
+    "plain",
+    "shaded",
+]
 
 _DPI = 100
 INK = {"M": "#d62020", "V": "#2050d6", "F": "#b0b0b0", "B": "#202020"}
@@ -103,6 +113,13 @@ def plain(figure: Any, place: tuple[float, float, float, float], title: str = ""
     if title:
         axes.set_title(title, fontsize=10)
     return axes
+
+
+def all_around(values: Any, turn: float = 0.0) -> Any:
+    """Values at angles around a circle, along the last axis, and the first again, a turn later."""
+    import numpy as np
+
+    return np.concatenate([values, values[..., :1] + turn], axis=-1)
 
 
 def shaded(axes: Any, arcs: Any, colour: str = "#d62020", alpha: float = 0.12) -> None:

@@ -14,6 +14,7 @@ from fab.viewing.figures.canvas import (
     PALETTE,
     Drawing,
     Movie,
+    all_around,
     movie,
     new_figure,
     plain,
@@ -254,13 +255,13 @@ def _ink(fold: float) -> str:
 
 
 def _plot_folds(axes: Any, family: StripFamily) -> None:
-    x = np.degrees(family.flap_angles)
+    x = all_around(np.degrees(family.flap_angles), 360.0)
     for folds, colour, name in (
         (family.front_folds, "#8a3ab0", "along the front"),
         (family.crease_folds, "#3a8a3a", "across the strip"),
     ):
         for number, fold in enumerate(np.degrees(folds)):
-            y = fold.copy()
+            y = all_around(fold)
             y[np.abs(np.diff(y, prepend=y[0])) > 180] = np.nan
             axes.plot(x, y, color=colour, lw=1, alpha=0.8, label=name if number == 0 else None)
     shaded(axes, family.crossing, alpha=0.06)
@@ -278,7 +279,7 @@ def _plot_letters(axes: Any, family: StripFamily) -> None:
     """Mountains red, valleys blue: creases upwards, the front's from the line on."""
     from matplotlib.colors import ListedColormap
 
-    letters = np.sign(np.concatenate([family.crease_folds, family.front_folds]))
+    letters = np.sign(all_around(np.concatenate([family.crease_folds, family.front_folds])))
     colours = ListedColormap([INK["M"], "#eeeeee", INK["V"]])
     half = 180.0 / len(family.flap_angles)
     axes.imshow(
@@ -289,7 +290,7 @@ def _plot_letters(axes: Any, family: StripFamily) -> None:
         aspect="auto",
         interpolation="nearest",
         origin="lower",
-        extent=(-half, 360.0 - half, -0.5, len(letters) - 0.5),
+        extent=(-half, 360.0 + half, -0.5, len(letters) - 0.5),
         alpha=0.75,
     )
     axes.axhline(len(family.crease_folds) - 0.5, color="white", lw=2)

@@ -15,6 +15,7 @@ from fab.viewing.figures.canvas import (
     PALETTE,
     Drawing,
     Movie,
+    all_around,
     movie,
     new_figure,
     plain,
@@ -256,19 +257,18 @@ def _view_of(family: VertexFamily) -> FloatArray:
 
 
 def _plot_sectors(axes: Any, family: VertexFamily) -> None:
-    x = np.degrees(family.flap_angles)
+    x = all_around(np.degrees(family.flap_angles), 360.0)
     for number, values in enumerate((family.theta1, family.theta2)):
         label = rf"$\theta_{number + 1}$"
-        axes.plot(x, np.degrees(values), color=PALETTE[number], lw=1.8, label=label)
+        axes.plot(x, all_around(np.degrees(values)), color=PALETTE[number], lw=1.8, label=label)
     axes.set_ylabel("design angle, degrees", fontsize=9)
     _on_circle(axes, family)
 
 
 def _plot_folds(axes: Any, family: VertexFamily) -> None:
-    x = np.degrees(family.flap_angles)
+    x = all_around(np.degrees(family.flap_angles), 360.0)
     for crease, letter in enumerate(_LETTERS):
-        fold = np.degrees(family.fold_angles[crease])
-        y = fold.copy()
+        y = all_around(np.degrees(family.fold_angles[crease]))
         y[np.abs(np.diff(y, prepend=y[0])) > 180] = np.nan  # passes a half turn
         axes.plot(x, y, color=PALETTE[crease + 2], lw=1.6, label=f"fold of {letter}")
     axes.axhline(0, color="#999999", lw=0.6)

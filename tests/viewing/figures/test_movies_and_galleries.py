@@ -13,13 +13,25 @@ from fab.viewing.figures.forms import Bundle, draw_bundle, principal_view
 from fab.viewing.figures.galleries import gallery_figure
 from fab.viewing.figures.growing import growth_movie
 from fab.viewing.figures.sheets import draw_flat, shown_sheet
+from fab.viewing.figures.vertices import angles_figure
 from fab.viewing.movie_files import gif_bytes
 from solver import Miura, RandomTube, TiltedRings
+from solver.vertex_family import vertex_family
 
 
 @pytest.fixture(scope="module")
 def rings():
     return shown_sheet(TiltedRings(strips=5, opening=0.5).grow().mesh, "rings")
+
+
+def test_curves_over_the_flap_angle_close_after_a_turn():
+    family = vertex_family([-1, 0, 0.4], [1, 0.2, 0.4], [0, -1, 0], 12)
+    sectors = angles_figure(family).figure.axes[0]
+    theta1, theta2 = (line.get_xydata() for line in sectors.lines[:2])
+    for curve in (theta1, theta2):
+        assert curve[[0, -1], 0].tolist() == [0.0, 360.0]
+        assert curve[0, 1] == curve[-1, 1]
+    np.testing.assert_allclose(theta1[:, 1] + theta2[:, 1], np.degrees(family.k))
 
 
 def test_a_closed_sheet_grows_ring_by_ring(rings):
