@@ -130,6 +130,12 @@ def test_a_job_is_dropped_and_its_text_is_shown(page, folder, tmp_path):
     page.locator("#file").set_input_files(tmp_path / "broken.toml")
     wait_until(page, lambda: page.locator("#notice").is_visible())
     assert page.locator("#text").input_value() == text  # the job before it stays
+    page.keyboard.press("Escape")
+    assert not page.locator("#notice").is_visible()
+    page.locator("#save-name").fill("../other.toml")
+    page.locator("#save").click()
+    page.locator("#notice").click()
+    assert not page.locator("#notice").is_visible()
 
 
 def test_a_file_that_cannot_be_read_shows_nothing_of_the_last_sheet(page, tmp_path):

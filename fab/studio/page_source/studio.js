@@ -96,6 +96,8 @@ function wire() {
   find("#save").addEventListener("click", () => save(false));
   find("#again").addEventListener("click", () => (job ? grow() : openPattern(sheet?.source.file ?? find("#title").textContent)));
   find("#save-name").addEventListener("input", keepWork);
+  find("#notice").addEventListener("click", () => getSelection().isCollapsed && notice("")); // copied, it stays
+  window.addEventListener("keydown", ({ key }) => key === "Escape" && notice(""));
   window.addEventListener("pagehide", leave);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => view?.pick(view.picked));
   find("#fold").addEventListener("input", foldTo);
