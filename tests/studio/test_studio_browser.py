@@ -151,11 +151,11 @@ def test_a_file_that_cannot_be_read_shows_nothing_of_the_last_sheet(page, tmp_pa
     assert not page.locator('#pattern g[data-layer="B"]').is_visible()
 
 
-def test_a_pattern_without_fold_angles_is_called_flat(page):
+def test_a_pattern_without_a_folded_form_is_called_flat(page):
     page.locator("#to-gallery").click()
     page.locator("#file").set_input_files(ROOT / "tests" / "patterns" / "miura.fold")
     wait_until(page, lambda: verdict(page).startswith("read: 40 faces"))
-    assert page.locator("#state").text_content() == "flat, without fold angles"
+    assert page.locator("#state").text_content() == "flat: the file has no folded form"
     assert page.locator("#form-view canvas").is_visible()
 
 

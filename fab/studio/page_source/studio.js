@@ -327,7 +327,7 @@ function showDetail(note) {
 
 function foldTo() {
   const share = Number(find("#fold").value);
-  const name = sheet && !sheet.folds ? "flat, without fold angles" : share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
+  const name = sheet && !sheet.folds && sheet.states.length < 2 ? "flat: the file has no folded form" : share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
   find("#state").textContent = name;
   find("#fold").setAttribute("aria-valuetext", name);
   if (sheet && view) view.fold(share * (sheet.states.length - 1));
