@@ -25,7 +25,7 @@ const hand = new HandGrowth({
     change(["design", "strips"], strips);
     grow();
   },
-  reopen: (text) => openJob({ text }, find("#save-name").value, { saved: job.saved }),
+  reopen: edited,
 });
 let view; // of the form, made with the first sheet
 let sheet; // the last good one
@@ -91,7 +91,7 @@ async function drawPictures() {
 
 function wire() {
   find("#to-gallery").addEventListener("click", showGallery);
-  find("#apply").addEventListener("click", () => openJob({ text: find("#text").value }, find("#save-name").value, { saved: job.saved }));
+  find("#apply").addEventListener("click", () => edited(find("#text").value));
   find("#stop").addEventListener("click", () => ask("stop", {}));
   find("#save").addEventListener("click", () => save(false));
   find("#again").addEventListener("click", () => (job ? grow() : openPattern(sheet?.source.file ?? find("#title").textContent)));
@@ -154,14 +154,15 @@ function clear() {
 
 /**
  * Open the job of a template or of a text; file : what it is saved as; unsettled : changes to it;
- * saved : what the file has, where this tab knows that.
+ * saved : what the file has, where this tab knows that; keeps : leave the last sheet in sight.
  */
-async function openJob(message, file, { unsettled = [], saved } = {}) {
+async function openJob(message, file, { unsettled = [], saved, keeps = false } = {}) {
   const answer = await ask("open", message);
   if (!answer.fields) return refuse(answer);
   notice("");
   job = { text: answer.text, unsettled: new Map(unsettled), saved };
-  clear();
+  if (keeps) sheet = undefined;
+  else clear();
   showWork(answer.name);
   find("#keys").hidden = find("#save-job").hidden = false;
   find("#save-name").value = file;
@@ -175,6 +176,11 @@ async function openJob(message, file, { unsettled = [], saved } = {}) {
   for (const [path, value] of job.unsettled.values()) put(path, value);
   hand.open(answer.values.design, job.unsettled.get(STRIPS)?.[1]);
   return grow();
+}
+
+/** Go on with another text of the same job. */
+function edited(text) {
+  return openJob({ text }, find("#save-name").value, { saved: job.saved, keeps: true });
 }
 
 /** Say why a job was not opened; where there is none yet, choose another. */
