@@ -16,13 +16,13 @@ from solver.mesh import QuadMesh
 from solver.relaxation.laying import Pleats
 from solver.relaxation.sheet_fit import Wishes
 from solver.resolution import fewest_columns
+from solver.surface_sheet import SurfaceSheet
 from solver.surface_sheets import (
     MOST_COLUMNS,
     MOST_SHEETS,
     NARROW_PLEATS,
     PLEATS,
     TURNS,
-    SurfaceSheet,
     SurfaceSheets,
     surface_sheets,
 )

@@ -9,37 +9,34 @@
 
 Several shapes of cells and directions are tried; a sheet is good if it is exact, does not cross
 itself, covers its part and stays near its offsets. Of good ones the one with the largest least
-sector angle is taken: slim faces are hard to make. Rims of several sheets are brought together
-(`solver.matched_rims`). Of sheets that fold rigidly, which have no
+sector angle is taken: slim faces are hard to make. Of sheets that fold rigidly, which have no
 freedom left to follow a surface, it is the one nearest to its offsets. Where makers have goals
-(`solver.goals`), it is the one of those that miss them least.
+(`solver.goals`), it is the one of those that miss them least. Rims of several sheets are brought
+together last (`solver.sheets_meeting`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from solver.errors import InvalidState, InvalidValue, require_count
 from solver.goals import Bounds, FaceMeasures, Goals
-from solver.matched_rims import RimSheet, met_rims
-from solver.measure import developability
-from solver.mesh import QuadMesh, interior_vertices
 from solver.relaxation.laying import Pleats, held_vertices, laid_patch, laid_tube, rim_planes
-from solver.relaxation.method import RelaxationStatus
 from solver.relaxation.pleats import PleatedSheet
 from solver.relaxation.rim_trimming import trimmings
 from solver.relaxation.sheet_fit import Wishes, relaxed_sheet
 from solver.self_intersection import crossing_faces
+from solver.sheets_meeting import met_sheets
 from solver.surface_cover import covered
 from solver.surface_cuts import halves, opened
 from solver.surface_maps import cylinder_map, disc_map, principal_turn
+from solver.surface_sheet import SurfaceSheet, least_sector
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
-from solver.vectors import FloatArray, IntArray, angle_between
+from solver.vectors import FloatArray
 
 __all__ = [
     "MOST_COLUMNS",
@@ -47,7 +44,6 @@ __all__ = [
     "NARROW_PLEATS",
     "PLEATS",
     "TURNS",
-    "SurfaceSheet",
     "SurfaceSheets",
     "surface_sheets",
 ]
@@ -85,15 +81,10 @@ _GOAL_ROUNDS = 4
 _NO_NEARER = 0.8
 # A part of a surface with more than this share of its area is the whole of it.
 _WHOLE = 0.999
-# What a good sheet covers and how far at most it is off its offsets, in steps.
-_COVERED = 0.99
-_OFF = 0.15
 # Shares of a sheet that may be lost where it reaches over the rim by more than half a cell: the
 # first with which this much is covered, or else none.
 _MAY_FALL = (0.02, 0.006, 0.0)
 _WELL_COVERED = 0.993
-# Radians by which the sectors around a vertex of an exact sheet differ from a full turn.
-_EXCESS = 1e-9
 # Sheets of more columns are tried with this number first.
 _FIRST_COLUMNS = 24
 # The same around a part of a surface.
@@ -101,87 +92,8 @@ _FIRST_AROUND = 40
 MOST_COLUMNS = 400
 # Finer sheets hold all but sides and rim by as much more, at most, else the rim bends them.
 _FIRMEST = 4.0
-# So often, at most, vertices of the rims of several sheets are brought together; twice where sheets
-# have more than half of so many faces.
-_MEETINGS, _FACES_MET = 8, 8000
-# Those that are nearer than this, in steps; where that does harm, those nearer than half of it, and
-# so on until it is less than the second.
-_MOST_APART, _LEAST_APART = 1.2, 0.2
-# They may be as much farther from the surface for it.
-_FARTHER = 1.6
 # A surface is halved at most twice.
 MOST_SHEETS = 4
-
-
-@dataclass(frozen=True)
-class SurfaceSheet:
-    """One sheet on its part of the surface.
-
-    Attributes
-    ----------
-    mesh : the sheet. part : the surface that it was made for.
-    status, advice : how relaxation ended. rounds : of it.
-    deviations : signed distances of vertices from their offsets, in the surface's units, shape
-        (n,); positive on the side of its normals.
-    coverage : share of the part that has the sheet above or below it. crossings : pairs of faces.
-    least_sector : smallest sector angle, radians.
-    missed : by how much goals are missed, shares of their bounds summed up. far : whether by so
-        much that sheets of other cells are hardly nearer.
-    step : unit of the cell. pleats, turn : what was chosen.
-    distance : the largest one of a vertex from the surface, in its units.
-    """
-
-    mesh: QuadMesh
-    part: SurfaceMesh
-    status: RelaxationStatus
-    advice: str
-    rounds: int
-    deviations: FloatArray
-    coverage: float
-    crossings: int
-    least_sector: float
-    step: float
-    pleats: Pleats
-    turn: float
-    distance: float
-    missed: float = 0.0
-    far: bool = False
-
-    @property
-    def good(self) -> bool:
-        """Whether it can be made and follows its surface."""
-        return self.faults == 0
-
-    @cached_property
-    def exact(self) -> bool:
-        """Whether it unfolds: relaxation counts a reflex sector by the angle on its other side."""
-        excess = developability(self.mesh.vertices_coords, self.mesh.faces_vertices)
-        return float(excess.max(initial=0.0)) <= _EXCESS
-
-    @property
-    def faults(self) -> float:
-        """How much is wrong with it: 0 of a good one."""
-        return (
-            100.0 * (not self.unfolds)
-            + self.crossings
-            + 100 * max(0.0, _COVERED - self.coverage)
-            + 10 * max(0.0, self.off - _OFF)
-        )
-
-    @property
-    def unfolds(self) -> bool:
-        """Whether relaxation made it exact."""
-        return self.status is RelaxationStatus.RELAXED and self.exact
-
-    @property
-    def made(self) -> bool:
-        """Whether it can be made, wherever it is."""
-        return self.unfolds and not self.crossings
-
-    @property
-    def off(self) -> float:
-        """How far at most a vertex is off its offset, in steps."""
-        return float(np.abs(self.deviations).max(initial=0.0)) / self.step
 
 
 @dataclass(frozen=True)
@@ -257,8 +169,8 @@ def surface_sheets(
     )
     sheets = tuple(search.sheets_of(mesh, columns, most_sheets))
     target = MeshTarget(mesh)
-    if len(sheets) > 1:
-        sheets = search.matched(target, sheets)
+    if len(sheets) > 1 and not search.wishes.rigid:
+        sheets = met_sheets(target, sheets, search.judged, interrupted)
     reach = 2 * max(sheet.step * sheet.pleats.thickness for sheet in sheets)
     under = covered(
         target, [(s.mesh.vertices_coords, s.mesh.faces_vertices) for s in sheets], reach
@@ -438,7 +350,7 @@ class _Search:
             off,
             under,
             len(crossing_faces(mesh.vertices_coords, *mesh.polygons)),
-            _least_sector(mesh),
+            least_sector(mesh),
             sheet.cell.step / pleats.stretch,
             pleats,
             laid.turn,
@@ -491,54 +403,9 @@ class _Search:
         missed, far = float(wanted.misses(measures).sum()), wanted.far(measures)
         return replace(sheet, missed=missed, far=far), wanted, measures
 
-    def matched(
-        self, target: MeshTarget, sheets: tuple[SurfaceSheet, ...]
-    ) -> tuple[SurfaceSheet, ...]:
-        """The sheets with as many vertices of their rims that meet as leave them as good."""
-        if self.wishes.rigid:
-            return sheets
-        pairs, barred = np.empty((0, 2), np.int64), np.empty(0, np.int64)
-        reach = _MOST_APART
-        faces = sum(len(sheet.mesh.faces_vertices) for sheet in sheets)
-        for _ in range(min(_MEETINGS, max(2, _FACES_MET // faces))):
-            if self._stopped() or reach < _LEAST_APART:
-                break
-            found = met_rims(target, _rims(sheets), pairs, barred, reach, self.interrupted)
-            if found is None:
-                break
-            each = zip(sheets, found.coords, found.deviations, found.distances, strict=True)
-            moved = tuple(self._moved(*one) for one in each)
-            as_good = (
-                (new.faults, new.missed) <= (old.faults, old.missed)
-                and new.distance <= _FARTHER * old.distance
-                for new, old in zip(moved, sheets, strict=True)
-            )
-            if all(as_good) and not len(found.faulty):
-                sheets, pairs = moved, found.pairs
-            else:
-                beside = _beside_faults(moved, found.faulty, found.pairs[len(pairs) :])
-                reach /= 1 if len(beside) else 2
-                barred = np.union1d(barred, beside)
-        return sheets
-
-    def _moved(
-        self, sheet: SurfaceSheet, coords: FloatArray, deviations: FloatArray, distance: float
-    ) -> SurfaceSheet:
-        """A sheet with its vertices elsewhere, judged again."""
-        mesh, target = replace(sheet.mesh, vertices_coords=coords), MeshTarget(sheet.part)
-        made = [(coords, mesh.faces_vertices)]
-        found = replace(
-            sheet,
-            mesh=mesh,
-            deviations=deviations,
-            coverage=float(covered(target, made, 2 * sheet.step * sheet.pleats.thickness).mean()),
-            crossings=len(crossing_faces(coords, *mesh.polygons)),
-            least_sector=_least_sector(mesh),
-            distance=distance,
-        )
-        if self.goals is None:
-            return found
-        return self._judged(found, self.goals, 1.0)[0]
+    def judged(self, sheet: SurfaceSheet) -> SurfaceSheet:
+        """A sheet with what it misses of its goals."""
+        return sheet if self.goals is None else self._judged(sheet, self.goals, 1.0)[0]
 
     def _stopped(self) -> bool:
         return self.interrupted is not None and self.interrupted()
@@ -551,44 +418,6 @@ def _enough(ranked: Sequence[tuple[float, float, float, SurfaceSheet, _Lay]]) ->
     good = [sheet for faults, _, _, sheet, _ in ranked if faults == 0]
     enough = len(good) >= _CHOICES and all(sheet.far for sheet in good)
     return enough or len(good) >= _MOST_CHOICES or [s.missed for s in good].count(0.0) >= _CHOICES
-
-
-def _rims(sheets: Sequence[SurfaceSheet]) -> list[RimSheet]:
-    return [
-        RimSheet(
-            sheet.mesh.vertices_coords,
-            sheet.mesh.faces_vertices,
-            sheet.part,
-            sheet.step * sheet.pleats.stretch,
-            sheet.step * sheet.pleats.thickness,
-        )
-        for sheet in sheets
-    ]
-
-
-def _beside_faults(sheets: Sequence[SurfaceSheet], faulty: IntArray, pairs: IntArray) -> IntArray:
-    """Vertices around the faulty ones, faces that cross, and vertices that are too far off.
-
-    Numbered through all sheets.
-
-    So many rings around them that some are in the pairs.
-    """
-    faces, bad, start = [], [faulty], 0
-    for sheet in sheets:
-        mesh, count = sheet.mesh, len(sheet.mesh.vertices_coords)
-        crossed = crossing_faces(mesh.vertices_coords, *mesh.polygons).ravel()
-        inner = np.flatnonzero(interior_vertices(mesh.faces_vertices, count))
-        off = inner[np.abs(sheet.deviations) > _OFF * sheet.step]
-        bad += [start + mesh.faces_vertices[crossed].ravel(), start + off]
-        faces.append(start + mesh.faces_vertices)
-        start += count
-    every, out = np.concatenate(faces), np.unique(np.concatenate(bad))
-    while len(out) and not np.isin(pairs, out).any():
-        wider = np.unique(every[np.isin(every, out).any(axis=1)])
-        if len(wider) == len(out):
-            break
-        out = wider
-    return out
 
 
 @dataclass(frozen=True)
@@ -656,10 +485,3 @@ def _tube(mesh: SurfaceMesh, columns: int, whole: bool) -> _Lay:
         return laid_tube(target, period, count, pleats)
 
     return _Lay(target, sheet, columns, few, around=True, whole=whole)
-
-
-def _least_sector(mesh: QuadMesh) -> float:
-    corners = mesh.vertices_coords[mesh.faces_vertices]
-    ahead = np.roll(corners, -1, axis=1) - corners
-    back = np.roll(corners, 1, axis=1) - corners
-    return float(angle_between(ahead, back).min())

@@ -30,7 +30,7 @@ def test_vertices_of_two_sheets_of_a_body_meet_and_both_stay_exact(monkeypatch):
         given.append([(sheet.coords, sheet.faces_vertices) for sheet in sheets])
         return met_rims(target, sheets, *choices)
 
-    monkeypatch.setattr("solver.surface_sheets.met_rims", spied)
+    monkeypatch.setattr("solver.sheets_meeting.met_rims", spied)
     found = surface_sheets(body, 16)
     assert len(found.sheets) == 2
     assert found.good

@@ -15,7 +15,8 @@ from solver.relaxed_fit import joined, relaxed_fit, sampled
 from solver.self_intersection import crossing_faces
 from solver.surface_cuts import halves
 from solver.surface_maps import cylinder_map, disc_map
-from solver.surface_sheets import SurfaceSheet, surface_sheets
+from solver.surface_sheet import SurfaceSheet
+from solver.surface_sheets import surface_sheets
 from solver.targets import explicit_surface
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind
