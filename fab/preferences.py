@@ -68,12 +68,17 @@ def set_preference(key: str, value: str | None) -> Path:
             document[key] = value
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".settings-")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(tomlkit.dumps(document))
-        Path(beside).replace(path)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(tomlkit.dumps(document))
+            Path(beside).replace(path)
+        except OSError:
+            Path(beside).unlink(missing_ok=True)
+            raise
     except OSError as error:
         why = error.strerror or type(error).__name__
-        raise InvalidJob(f"{shown_path(path)}: cannot be written: {why}. {_CURE}") from error
+        cure = "Make room there, or make its folder one that you may write to."
+        raise InvalidJob(f"{shown_path(path)}: cannot be written: {why}. {cure}") from error
     return path
 
 

@@ -1,5 +1,7 @@
 """The user's own settings and stock: kept, told, taken where none is given, never half-written."""
 
+import errno
+
 import pytest
 from click.testing import CliRunner
 from helpers import ROOT, TEMPLATES
@@ -113,3 +115,18 @@ def test_a_folder_that_cannot_be_written_is_named():
     result = run("settings", "set", "material", "card_300gsm")
     assert result.exit_code == 2
     assert f"{preferences_file()}: cannot be written" in result.stderr
+
+
+def test_a_full_disk_leaves_the_file_as_it_was_and_no_other(monkeypatch):
+    run("settings", "set", "material", "card_300gsm")
+    before = preferences_file().read_bytes()
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("fab.preferences.Path.replace", full)
+    result = run("settings", "set", "machine", "knife_a4")
+    assert result.exit_code == 2
+    assert "No space left on device. Make room there" in result.stderr
+    assert preferences_file().read_bytes() == before
+    assert [path.name for path in preferences_file().parent.iterdir()] == ["settings.toml"]
