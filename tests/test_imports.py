@@ -49,7 +49,7 @@ GEOMETRY_TAKES = {
     "solver.vectors",
 }
 HEAVY = {
-    *("build123d", "OCP", "manifold3d", "matplotlib", "trimesh", "u_nesting"),
+    *("build123d", "OCP", "manifold3d", "matplotlib", "reportlab", "trimesh", "u_nesting"),
     *("starlette", "tomlkit", "uvicorn"),
 }
 SOURCES = {
