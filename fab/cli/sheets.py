@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -19,6 +19,7 @@ from fab.cli.options import (
     ONLY_SHEETS,
     OUT,
     Size,
+    changes_of,
     formats_of,
     only,
     reading_options,
@@ -43,12 +44,13 @@ __all__ = ["coupon", "fabricate", "shipped"]
 @OUT
 @size_options
 @reading_options
-@click.option("--copies", default=1, show_default=True, type=int, help="How many of the model.")
+@click.option("--copies", default=None, type=int, help="How many of the model (default: 1).")
 @click.option(
     "--two-sided",
     is_flag=True,
     help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
 )
+@changes_of("Such as cutter.sheets=2, as in a job; may be repeated.")
 @only("Such as dxf,lbrn2 (default: dxf,svg,pdf,html).")
 @DRY_RUN
 @told_options
@@ -59,8 +61,9 @@ def fabricate(
     out: Path,
     size: Size,
     options: ReadOptions,
-    copies: int,
+    copies: int | None,
     two_sided: bool,
+    changes: tuple[str, ...],
     only: str | None,
     dry_run: bool,
     told: Told,
@@ -73,20 +76,14 @@ def fabricate(
         from fab.drawings.drawing_files import USUAL, SheetFormat
         from fab.jobs.sheet_files import FabricatedFormat, fabricate, sheet_names
         from fab.outputs import plain_title
-        from fab.sheets.materials import load_machine, load_material
-        from fab.sheets.registration import Registration
-        from fab.sheets.sheet_request import SheetRequest
+        from fab.sheets.cutter_settings import cutter_tables
 
-        stock = load_material(required("material", material))
-        cutter = load_machine(required("machine", machine))
+        tables = cutter_tables(changes, _given(changes, material, machine, copies, two_sided))
         usual = [*map(FabricatedFormat, USUAL), FabricatedFormat.HTML]
         chosen = formats_of(only, FabricatedFormat) or usual
-        request = SheetRequest(
-            stock,
-            cutter,
-            copies,
-            Registration() if two_sided else None,
+        request = tables.cutter.request(
             [SheetFormat(kind) for kind in chosen if kind is not FabricatedFormat.HTML],
+            perforation=tables.perforation,
             page=FabricatedFormat.HTML in chosen,
         )
 
@@ -102,6 +99,25 @@ def fabricate(
 
         names = sheet_names(plain_title(file.stem))
         deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names, told=told)
+
+
+def _given(
+    changes: Sequence[str],
+    material: str | None,
+    machine: str | None,
+    copies: int | None,
+    two_sided: bool,
+) -> dict[str, Any]:
+    """Keys of the table of sheets that options give, or else changes, or else the settings."""
+    keys: dict[str, Any] = {"copies": copies, "two_sided": two_sided or None}
+    stock: tuple[tuple[Literal["material", "machine"], str | None], ...] = (
+        ("material", material),
+        ("machine", machine),
+    )
+    for key, name in stock:
+        changed = any(change.replace(" ", "").startswith(f"cutter.{key}=") for change in changes)
+        keys[key] = name if changed else required(key, name)
+    return {key: value for key, value in keys.items() if value is not None}
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:

@@ -16,6 +16,7 @@ from fab.jobs.goal_settings import GoalSettings
 from fab.pattern.development import Development
 from fab.printing.thick_settings import ThickSettings
 from fab.settings import Settings, apply_change, checked, read_toml
+from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.perforation_settings import PerforationSettings
 from solver.vectors import FloatArray
 
@@ -94,6 +95,9 @@ class SheetSettings(ThickSettings):
     sheet: SheetSize
     goals: GoalSettings = GoalSettings()
     perforation: PerforationSettings = PerforationSettings()
+    cutter: CutterSettings | None = Field(
+        default=None, description="what sheets are cut from; a drawing without kerf where left out"
+    )
     simulation: FoldSettings | None = Field(
         default=None, description="fold the sheet from flat and judge; not where left out"
     )

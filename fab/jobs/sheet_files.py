@@ -19,7 +19,7 @@ import shapely
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.drawings.drawing_files import SheetFormat, drawing_files
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted
 from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
@@ -104,6 +104,7 @@ def fabricate(
         *narrow_faces(pattern, request.machine.kerf_mm),
         *split_findings,
         *cut_findings,
+        *_short_stock(len(cut), request),
         *_unset_powers(drawn, request),
     ]
     if request.page:
@@ -111,6 +112,18 @@ def fabricate(
         files[f"{name}_sheets.html"] = _page(pattern, name, request, report, every, files, drawings)
     progress("write", 1, 1)
     return with_report(files, f"{name}_report.json", report, every)
+
+
+def _short_stock(needed: int, request: SheetRequest) -> list[Finding]:
+    """A warning where more sheets are needed than are at hand."""
+    there = request.stock_sheets
+    if there is None or needed <= there:
+        return []
+    text = (
+        f"{counted(needed, 'sheet')} are needed, cutter.sheets = {there} at hand: get "
+        f"{needed - there} more, or ask for fewer copies or a smaller sheet."
+    )
+    return [Finding("sheets-short", Severity.WARNING, text)]
 
 
 def _unset_powers(drawn: Sequence[_Drawn], request: SheetRequest) -> list[Finding]:

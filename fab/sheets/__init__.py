@@ -2,6 +2,7 @@
 
 From pattern to files:
 
+- `cutter_settings`: the table `[cutter]`, from which a request is built.
 - `sheet_request`: what is asked for: material, machine, copies, sides, formats;
   `fab.jobs.sheet_files` makes it, from all that follows; `sheet_report`: the report.
 - `materials`: sheet materials and cutters, as data.

@@ -39,6 +39,7 @@ class SheetRequest:
     formats : of the drawings. With one that the machine follows line by line, all of them hold
         dashes, whatever the machine's profile.
     page : whether a result page shows them.
+    stock_sheets : how many sheets are at hand; None where that is not known.
 
     Raises `InvalidValue` for copies that are no such number, `InvalidState` for G-code of a machine
     that has no power to cut with.
@@ -50,6 +51,7 @@ class SheetRequest:
     registration: Registration | None = None
     formats: Sequence[SheetFormat] = USUAL
     page: bool = True
+    stock_sheets: int | None = None
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")

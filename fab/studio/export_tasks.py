@@ -15,6 +15,7 @@ from fab.jobs.reading import read_sheet
 from fab.outputs import Made, plain_title, write
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Progress
+from fab.settings import checked
 from fab.studio.findings import listed
 from fab.studio.job_text import job_of_text
 from fab.studio.places import inside
@@ -98,16 +99,13 @@ def _run(source: _Source, request: Mapping[str, Any], progress: Reports) -> tupl
 
 def _fabricate(source: _Source, request: Mapping[str, Any], progress: Reports) -> tuple[Made, str]:
     from fab.jobs.sheet_files import fabricate
-    from fab.sheets.materials import load_machine, load_material
-    from fab.sheets.registration import Registration
-    from fab.sheets.sheet_request import SheetRequest
+    from fab.sheets.cutter_settings import CutterSettings
 
-    asked = SheetRequest(
-        load_material(_stocked(source.folder, request["material"])),
-        load_machine(_stocked(source.folder, request["machine"])),
-        request["copies"],
-        Registration() if request["two_sided"] else None,
-    )
+    for key in ("material", "machine"):
+        _require_inside(source.folder, request[key])
+    keys = {key: request[key] for key in ("material", "machine", "copies", "two_sided")}
+    settings = checked(CutterSettings, keys, "sheets", "Choose it.")
+    asked = settings.request(folder=source.folder)
     timed = _timed(progress, {})
     pattern, findings = source.pattern(timed)
     made = fabricate(pattern, source.name, asked, findings=findings, progress=timed)
@@ -124,7 +122,7 @@ def _thicken(source: _Source, request: Mapping[str, Any], progress: Reports) -> 
         named = {"machine": request["printer"], "material": request["print_material"]}
         chosen = {key: name for key, name in named.items() if name}
         for name in chosen.values():
-            _stocked(source.folder, name)
+            _require_inside(source.folder, name)
         tables = {"printer": PrinterSettings(**chosen)}
     settings = ThickSettings(**tables)
     timed = _timed(progress, run_stages(ORDINARY))
@@ -140,9 +138,10 @@ def _thicken(source: _Source, request: Mapping[str, Any], progress: Reports) -> 
     return made, f"{source.name}_thick.html"
 
 
-def _stocked(folder: Path, name: str) -> str | Path:
-    """A shipped material or machine, or a file of the folder."""
-    return inside(folder, name) if name.endswith(".toml") else name
+def _require_inside(folder: Path, name: str) -> None:
+    """Raise `InvalidJob` for a material or machine that is a file outside of the folder."""
+    if name.endswith(".toml"):
+        inside(folder, name)
 
 
 def _timed(progress: Reports, stages: Mapping[str, float]) -> Progress:

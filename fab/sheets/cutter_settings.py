@@ -1,0 +1,98 @@
+"""Settings of sheets: the table `[cutter]` of a job, and of the command that cuts any pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import Field
+
+from fab.drawings.drawing_files import USUAL, SheetFormat
+from fab.settings import Settings, apply_change, checked
+from fab.sheets.materials import Material, load_machine, load_material
+from fab.sheets.perforation_settings import PerforationSettings
+from fab.sheets.registration import Registration
+from fab.sheets.sheet_request import SheetRequest
+
+__all__ = ["CutterSettings", "CutterTables", "cutter_tables"]
+
+
+class CutterSettings(Settings):
+    """What sheets are cut from, on which machine, and what is wished of them."""
+
+    material: str = Field(description="a shipped sheet material, or a .toml file")
+    machine: str = Field(description="a shipped cutter, or a .toml file")
+    copies: int = Field(default=1, ge=1, le=10_000, description="of the whole pattern")
+    sheets: int | None = Field(
+        default=None, ge=1, description="of the stock that are at hand: a need for more is told"
+    )
+    two_sided: bool = Field(
+        default=False, description="creases are scored on the side on which they open"
+    )
+
+    def request(
+        self,
+        formats: Sequence[SheetFormat] = USUAL,
+        *,
+        perforation: PerforationSettings | None = None,
+        page: bool = True,
+        folder: Path = Path(),
+    ) -> SheetRequest:
+        """The sheets that are asked for. Raises `InvalidJob` for unknown materials and machines.
+
+        formats : of the drawings. perforation : its keys that were given prevail over those of the
+        material. page : whether a result page is made. folder : where files that the settings name
+        are looked for.
+        """
+
+        def place(name: str) -> str | Path:
+            return folder / name if name.endswith(".toml") else name
+
+        return SheetRequest(
+            _with_creases(load_material(place(self.material)), perforation),
+            load_machine(place(self.machine)),
+            self.copies,
+            Registration() if self.two_sided else None,
+            formats,
+            page,
+            stock_sheets=self.sheets,
+        )
+
+
+def _with_creases(material: Material, perforation: PerforationSettings | None) -> Material:
+    """The material with the keys of creases that were given."""
+    if perforation is None or not perforation.model_fields_set:
+        return material
+    given = {key: getattr(perforation, key) for key in sorted(perforation.model_fields_set)}
+    creases = material.perforation.model_copy(update=given)
+    return material.model_copy(update={"perforation": creases})
+
+
+class CutterTables(Settings):
+    """The tables of a job that say how its sheets are cut."""
+
+    cutter: CutterSettings
+    perforation: PerforationSettings | None = None
+
+
+def cutter_tables(
+    changes: Sequence[str] = (), given: Mapping[str, Any] | None = None
+) -> CutterTables:
+    """The tables with changes such as "cutter.sheets=2".
+
+    given : keys of `[cutter]` that prevail over the changes, such as {"material": "card_300gsm"}.
+
+    Raises `InvalidJob` with every key at fault.
+
+    >>> stock = {"material": "card_300gsm", "machine": "knife_a4"}
+    >>> cutter_tables(["cutter.copies=3"], stock).cutter.copies
+    3
+    """
+    document: dict[str, Any] = {}
+    for change in changes:
+        apply_change(document, change)
+    table = document.get("cutter", {})
+    if isinstance(table, Mapping):
+        document["cutter"] = {**table, **(given or {})}
+    return checked(CutterTables, document, "--set", "Give its table and key, with its unit.")
