@@ -23,12 +23,14 @@ from fab.layout.piece_gaps import set_apart
 from fab.outputs import Made, box_mm, with_report
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern
+from fab.printing.bed_place import UNMOVED, place_on_bed
 from fab.printing.plates import Plates, make_plates
+from fab.printing.print_objects import PrintObject, body_parts, sheet_parts
 from fab.printing.printability import inspect_print, inspect_webs, print_figures
 from fab.printing.printers import Printer
 from fab.printing.stl import body_stls, inspect_stl, stl_bytes
 from fab.printing.thick_settings import UNKNOWN, PrintWith, ThickSettings
-from fab.printing.threemf import PrintObject, body_parts, sheet_parts, threemf_bytes
+from fab.printing.threemf import threemf_bytes
 from fab.progress import Clock, Progress, silent
 
 if TYPE_CHECKING:
@@ -144,7 +146,7 @@ def thick_files(
             plates, found = make_plates(sheet, print_with.printer.bed_mm, settings.plates, step)
         findings = [finding for finding in findings if finding.code != "print-too-large"]
         findings += [_divided(plates), *found]
-    data, found = _files(checked, plates, name, formats, clock, upright=upright)
+    data, found = _files(checked, plates, name, formats, clock, print_with, upright=upright)
     findings += found
     scene: Scene | None = None
     if {ThickFormat.GLB, ThickFormat.HTML} & set(formats):
@@ -188,7 +190,7 @@ def _checked(
 
     _require_resolved(sheet)
     limit_deg = settings.panels.fold_limit_deg
-    printer, material = print_with.printer, print_with.material
+    printer = print_with.printer
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
@@ -203,10 +205,10 @@ def _checked(
         if set(settings.hinges.kinds) == {"none"}:  # loose by intent
             findings = [finding for finding in findings if finding.code != "panels-loose"]
         if printer is not None:
-            findings += inspect_print(sheet, joined, printer)
-        if material is not None:
-            findings += inspect_webs(sheet, material, limit_deg)
-        prints = print_figures(measured.solids.volume_mm3, joined, material)
+            findings += inspect_print(sheet, joined, printer, print_with.material_count)
+        if print_with.hinges is not None:
+            findings += inspect_webs(sheet, print_with.hinges, limit_deg)
+        prints = print_figures(measured.solids, joined, print_with.panels, print_with.hinges)
     figures = {
         **dataclasses.asdict(measured.solids),
         **dataclasses.asdict(prints),
@@ -236,6 +238,7 @@ def _files(
     name: str,
     formats: Collection[ThickFormat],
     clock: Clock,
+    print_with: PrintWith,
     *,
     upright: bool,
 ) -> tuple[dict[str, bytes], list[Finding]]:
@@ -248,9 +251,11 @@ def _files(
         surfaces = {".stl": checked.joined} if plates is None else _plate_surfaces(plates)
 
     def objects() -> dict[str, bytes]:
-        whole = {".3mf": [PrintObject(name, tuple(sheet_parts(checked.sheet)))]}
-        prints = whole if plates is None else _plate_objects(plates)
-        return {end: threemf_bytes(each, name) for end, each in prints.items()}
+        if plates is None:
+            prints = {".3mf": [_whole_object(checked.sheet, name, print_with)]}
+        else:
+            prints = _plate_objects(plates, print_with)
+        return {end: threemf_bytes(each, name, print_with.slicer) for end, each in prints.items()}
 
     def picture() -> dict[str, bytes]:
         from fab.viewing.scene_builders import thick_scene
@@ -315,13 +320,31 @@ def _plate_surfaces(plates: Plates) -> dict[str, TriangleMesh]:
     return out
 
 
-def _plate_objects(plates: Plates) -> dict[str, list[PrintObject]]:
+def _whole_object(sheet: ThickSheet, name: str, print_with: PrintWith) -> PrintObject:
+    """The sheet in one, in the middle of the bed of its printer, where that is known."""
+    place, printer = UNMOVED, print_with.printer
+    if printer is not None:
+        points = sheet.bodies.vertices_coords[:, :2]
+        place = place_on_bed(points, printer.bed_mm, printer.room_mm)
+    return PrintObject(name, tuple(sheet_parts(sheet, *_material_names(print_with))), place)
+
+
+def _material_names(print_with: PrintWith) -> tuple[str | None, str | None]:
+    panels, hinges = print_with.panels, print_with.hinges
+    return (
+        None if panels is None else panels.description,
+        None if hinges is None else hinges.description,
+    )
+
+
+def _plate_objects(plates: Plates, print_with: PrintWith) -> dict[str, list[PrintObject]]:
     """All parts of each plate, each an object of its own."""
     sheet = plates.sheet
     out: dict[str, list[PrintObject]] = {}
     for part in sorted(plates.parts, key=lambda part: part.plate):
         flexible, creases = sheet.flexible[part.numbers], sheet.creases[part.numbers]
-        parts = tuple(body_parts(plates.bodies(part), flexible, creases))
+        named = _material_names(print_with)
+        parts = tuple(body_parts(plates.bodies(part), flexible, creases, *named))
         out.setdefault(f"_plate_{part.plate + 1}.3mf", []).append(PrintObject(part.name, parts))
     return out
 
@@ -348,14 +371,15 @@ def make_thick(
     clock = Clock(progress)
     settings = settings.printed(print_with)
     made = thick_files(pattern, name, settings, formats, clock, print_with)
-    printer, material = print_with.printer, print_with.material
+    printer, panels, hinges = print_with.printer, print_with.panels, print_with.hinges
     files = {f"{name}_thick{end}": data for end, data in made.data.items()}
     every = (*findings, *made.findings)
     report: dict[str, Any] = {
         "name": name,
         "settings": settings.model_dump(mode="json"),
         "printer": None if printer is None else printer.model_dump(mode="json"),
-        "material": None if material is None else material.model_dump(mode="json"),
+        "material": None if panels is None else panels.model_dump(mode="json"),
+        "hinge_material": None if hinges is None else hinges.model_dump(mode="json"),
         "counts": {"faces": pattern.face_count, "creases": pattern.counts()},
         "bounding_box_mm": {"flat": box_mm(pattern.vertices_coords), "print": made.print_mm},
         "solids": made.figures,

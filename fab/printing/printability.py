@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fab.clearance.soundness import SolidFigures
 from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import TriangleMesh
 from fab.panels.bevelled_panels import Panels
 from fab.panels.thick_sheet import ThickSheet
+from fab.printing.bed_place import fitting_box
 from fab.printing.printers import Printer, PrintMaterial
 from solver.vectors import FloatArray, IntArray, cross, norm, unit
 
@@ -35,24 +37,42 @@ class PrintFigures:
 
     Attributes
     ----------
-    mass_g : of all solids in the print material; None without one.
+    mass_g : of all solids in their print materials; None where one of them is unknown.
+    hinge_mass_g : of what bends alone.
     bed_area_mm2 : of the sides that lie on the printer's bed.
     """
 
     mass_g: float | None
+    hinge_mass_g: float | None
     bed_area_mm2: float
 
 
 def print_figures(
-    volume_mm3: float, joined: TriangleMesh, material: PrintMaterial | None
+    solids: SolidFigures,
+    joined: TriangleMesh,
+    panels: PrintMaterial | None,
+    hinges: PrintMaterial | None,
 ) -> PrintFigures:
-    """The figures of a print. volume_mm3 : of all bodies; joined : their common surface."""
-    mass = None if material is None else volume_mm3 * material.density_kg_m3 * 1e-6
-    return PrintFigures(mass, bed_area_mm2(joined))
+    """The figures of a print. joined : the common surface of all bodies."""
+
+    def mass_g(volume_mm3: float, material: PrintMaterial | None) -> float | None:
+        if volume_mm3 == 0:
+            return 0.0
+        return None if material is None else volume_mm3 * material.density_kg_m3 * 1e-6
+
+    rigid = mass_g(solids.volume_mm3 - solids.flexible_mm3, panels)
+    soft = mass_g(solids.flexible_mm3, hinges)
+    whole = None if rigid is None or soft is None else rigid + soft
+    return PrintFigures(whole, soft, bed_area_mm2(joined))
 
 
-def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> list[Finding]:
-    """Findings about size, walls, gaps, webs, overhangs and materials; each with its cure."""
+def inspect_print(
+    sheet: ThickSheet, joined: TriangleMesh, printer: Printer, material_count: int = 1
+) -> list[Finding]:
+    """Findings about size, walls, gaps, webs, overhangs and materials; each with its cure.
+
+    material_count : of how many different materials panels and hinges are to be.
+    """
     return [
         *_size(joined, printer),
         *_walls(sheet.panels, printer),
@@ -60,7 +80,7 @@ def inspect_print(sheet: ThickSheet, joined: TriangleMesh, printer: Printer) -> 
         *_layers(sheet, printer),
         *_overhangs(sheet, printer),
         *_bridges(sheet, printer),
-        *_materials(sheet, printer),
+        *_materials(sheet, printer, material_count),
     ]
 
 
@@ -147,21 +167,15 @@ def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
         return []
     findings = []
     room = np.sort(printer.room_mm)
-    # every degree, and the directions of the sides of the box of least area come near to them
-    turn = np.radians(np.arange(180))
-    along = coords[:, :2] @ np.stack([np.cos(turn), np.sin(turn)])
-    spans = np.ptp(along, axis=0)
-    boxes = np.sort(np.stack([spans[:90], spans[90:]]), axis=0)
-    over = (boxes - room[:, None]).max(axis=0)
-    best = int(over.argmin())
-    if over[best] > _ON_BED_MM:
-        short, long = boxes[:, best]
+    _, box, over = fitting_box(coords[:, :2], printer.room_mm)
+    if over > _ON_BED_MM:
+        short, long = box
         findings.append(
             Finding(
                 "print-too-large",
                 Severity.ERROR,
                 f"the flat print needs {long:.4g} x {short:.4g} mm, the printer has {room[1]:g} x "
-                f"{room[0]:g} within its margins. Scale it to {min(room / boxes[:, best]):.3g} of "
+                f"{room[0]:g} within its margins. Scale it to {min(room / box):.3g} of "
                 "its size at most, or choose web hinges: such sheets are printed in parts.",
             )
         )
@@ -311,8 +325,20 @@ def _bridges(sheet: ThickSheet, printer: Printer) -> list[Finding]:
     ]
 
 
-def _materials(sheet: ThickSheet, printer: Printer) -> list[Finding]:
-    if printer.extruders > 1 or not sheet.flexible.any() or sheet.flexible.all():
+def _materials(sheet: ThickSheet, printer: Printer, material_count: int) -> list[Finding]:
+    if not sheet.flexible.any() or sheet.flexible.all():
+        return []
+    if material_count > printer.extruders:
+        return [
+            Finding(
+                "too-few-extruders",
+                Severity.WARNING,
+                f"panels and hinges are of {counted(material_count, 'material')}, and the printer "
+                f"prints {printer.extruders} at a time (its key extruders). Give one material, or "
+                "take a printer with a changer of materials.",
+            )
+        ]
+    if printer.extruders > 1:
         return []
     return [
         Finding(

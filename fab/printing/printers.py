@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
 from fab.catalogue import Bedded, Described, load_described
 
-__all__ = ["PrintMaterial", "Printer", "load_print_material", "load_printer"]
+__all__ = ["PrintMaterial", "Printer", "Slicer", "load_print_material", "load_printer"]
+
+# Whose table of parts a 3MF file has, and is laid out for.
+Slicer: TypeAlias = Literal["prusa", "bambu"]
 
 
 class Printer(Bedded):
@@ -26,7 +29,14 @@ class Printer(Bedded):
         ge=0, le=90, description="of sides that need no support: 0 upright, 90 over air"
     )
     bridge_mm: float = Field(ge=0, le=1000, description="longest print over air, from side to side")
-    extruders: int = Field(ge=1, le=64, description="materials in one print")
+    extruders: int = Field(
+        ge=1, le=64, description="materials in one print, by extruders or by a changer"
+    )
+    slicer: Slicer = Field(
+        default="prusa",
+        description="what 3MF files are laid out for: prusa (PrusaSlicer; Bambu Studio and "
+        "OrcaSlicer open them too), or bambu (Bambu Studio and OrcaSlicer, parts as components)",
+    )
 
     @model_validator(mode="after")
     def _has_layers(self) -> Printer:

@@ -12,7 +12,13 @@ from pydantic import Field, model_validator
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings, require_fitting_hinges
 from fab.printing.plate_settings import PlateSettings
-from fab.printing.printers import Printer, PrintMaterial, load_print_material, load_printer
+from fab.printing.printers import (
+    Printer,
+    PrintMaterial,
+    Slicer,
+    load_print_material,
+    load_printer,
+)
 from fab.settings import Settings, apply_change, checked
 
 __all__ = ["UNKNOWN", "PrintWith", "PrinterSettings", "ThickSettings", "thick_settings"]
@@ -23,14 +29,36 @@ class PrinterSettings(Settings):
 
     machine: str | None = Field(default=None, description="a shipped printer, or a .toml file")
     material: str | None = Field(default=None, description="of the print, named in the same way")
+    panel_material: str | None = Field(
+        default=None, description="of the panels alone; material where left out"
+    )
+    hinge_material: str | None = Field(
+        default=None,
+        description="of webs and films, printed by the second extruder; material where left out",
+    )
+    slicer: Slicer | None = Field(
+        default=None,
+        description="that 3MF files are laid out for: prusa or bambu; that of the printer where "
+        "left out",
+    )
 
 
 @dataclass(frozen=True)
 class PrintWith:
-    """The printer and its material, where they are known."""
+    """The printer, its materials and its slicer, where they are known.
+
+    panels, hinges : what rigid bodies and flexible ones are printed of.
+    """
 
     printer: Printer | None = None
-    material: PrintMaterial | None = None
+    panels: PrintMaterial | None = None
+    hinges: PrintMaterial | None = None
+    slicer: Slicer = "prusa"
+
+    @property
+    def material_count(self) -> int:
+        """How many different materials are known to be printed."""
+        return len({each.model_dump_json() for each in (self.panels, self.hinges) if each})
 
 
 UNKNOWN = PrintWith()
@@ -50,11 +78,11 @@ class ThickSettings(Settings):
         return self
 
     def printed(self, print_with: PrintWith) -> Self:
-        """The same, with what they leave to the printer and its material.
+        """The same, with what they leave to the printer and its materials.
 
         These are the strain of webs, the play of knuckles, and the margin of plates.
         """
-        printer, material = print_with.printer, print_with.material
+        printer, material = print_with.printer, print_with.hinges
         plates, given = self.plates, self.hinges.model_fields_set
         fitting: dict[str, float] = {}
         if material is not None and material.strain_max is not None:
@@ -68,7 +96,7 @@ class ThickSettings(Settings):
         return self.model_copy(update={"hinges": hinges, "plates": plates})
 
     def print_with(self, folder: Path = Path()) -> PrintWith:
-        """The printer and the material that are named. Raises `InvalidJob` for unknown ones.
+        """The printer and the materials that are named. Raises `InvalidJob` for unknown ones.
 
         folder : where their files are looked for.
         """
@@ -76,10 +104,17 @@ class ThickSettings(Settings):
         def place(name: str) -> str | Path:
             return folder / name if name.endswith(".toml") else name
 
-        machine, material = self.printer.machine, self.printer.material
+        def material(name: str | None) -> PrintMaterial | None:
+            chosen = self.printer.material if name is None else name
+            return None if chosen is None else load_print_material(place(chosen))
+
+        machine = self.printer.machine
+        printer = None if machine is None else load_printer(place(machine))
         return PrintWith(
-            None if machine is None else load_printer(place(machine)),
-            None if material is None else load_print_material(place(material)),
+            printer,
+            material(self.printer.panel_material),
+            material(self.printer.hinge_material),
+            self.printer.slicer or ("prusa" if printer is None else printer.slicer),
         )
 
 

@@ -1,25 +1,34 @@
-"""3MF files of bodies of one or two materials.
+"""3MF files of bodies of one or two materials, laid out for the slicer that reads them.
 
-An object is one mesh. Its triangles name their material as the core specification has it, and
-PrusaSlicer's own table has the triangles, name and extruder of each volume.
+All have the materials of the core specification. No layout keeps the parts of an object together in
+every slicer:
+
+- "prusa": an object is one mesh, and PrusaSlicer's table divides its triangles into volumes.
+  PrusaSlicer takes the components of an object for objects of their own, which it arranges apart.
+  Bambu Studio and OrcaSlicer open this layout as well where the model's metadata names
+  PrusaSlicer.
+- "bambu": an object has a component for each part, a mesh of its own, as the standard describes it
+  and as Bambu Studio and OrcaSlicer write it, with their table.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import TypeAlias
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from fab.geometry.bodies import Bodies, TriangleMesh
 from fab.outputs import zip_bytes
-from fab.panels.body_colours import FILM, HINGE, PANEL, Rgb
-from fab.panels.thick_sheet import ThickSheet
+from fab.panels.body_colours import Rgb
+from fab.printing.bed_place import BedPlace
+from fab.printing.print_objects import Part, PrintObject
+from fab.printing.printers import Slicer
+from fab.printing.slicer_tables import BAMBU_TABLE, PRUSA_TABLE, bambu_table, prusa_table
 from solver.errors import InvalidState
-from solver.vectors import BoolArray, IntArray
+from solver.vectors import IntArray
 
-__all__ = ["Part", "PrintObject", "body_parts", "sheet_parts", "threemf_bytes"]
+__all__ = ["threemf_bytes"]
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _OPC = "http://schemas.openxmlformats.org/package/2006"
@@ -37,112 +46,130 @@ _RELATIONS = (
     '<Relationship Id="rel0" Target="/3D/3dmodel.model" '
     'Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>\n'
 )
-
+# Bambu Studio and OrcaSlicer read PrusaSlicer's table only where this names PrusaSlicer.
+_APPLICATIONS: dict[Slicer, str] = {
+    "prusa": "quadfold, with volumes as in PrusaSlicer",
+    "bambu": "quadfold",
+}
 
 # Numbers of objects; that of the materials is 1.
 _FIRST = 2
 
-
-@dataclass(frozen=True)
-class Part:
-    """What is printed of one material: its name, its surface, the number of its extruder from 1."""
-
-    name: str
-    mesh: TriangleMesh
-    extruder: int
-    colour: Rgb = PANEL
+_Materials: TypeAlias = Mapping[tuple[str, Rgb], int]
 
 
-@dataclass(frozen=True)
-class PrintObject:
-    """What stays together on the plate: its name, and its parts, which touch each other."""
-
-    name: str
-    parts: tuple[Part, ...]
-
-
-def sheet_parts(sheet: ThickSheet) -> list[Part]:
-    """The rigid bodies of a sheet for the first extruder, and the flexible ones for the second.
-
-    Bodies of both touch each other and do not overlap. They stand on z = 0.
-    """
-    return body_parts(sheet.bodies, sheet.flexible, sheet.creases)
-
-
-def body_parts(bodies: Bodies, flexible: BoolArray, creases: IntArray) -> list[Part]:
-    """The same of any bodies. flexible, creases : shape (n,), as in a `ThickSheet`."""
-    ground = bodies.vertices_coords[:, 2].min(initial=0.0)
-    parts = []
-    hinged = bool((creases[flexible] >= 0).any())
-    soft = ("hinges", HINGE["V"]) if hinged else ("film", FILM)
-    for extruder, chosen, (name, colour) in (
-        (1, ~flexible, ("panels", PANEL)),
-        (2, flexible, soft),
-    ):
-        if chosen.any():
-            surface = _surface(bodies.chosen(np.flatnonzero(chosen)), float(ground))
-            parts.append(Part(name, surface, extruder, colour))
-    return parts
-
-
-def _surface(bodies: Bodies, ground_mm: float) -> TriangleMesh:
-    coords = bodies.vertices_coords - np.array([0.0, 0.0, ground_mm])
-    return TriangleMesh(coords, bodies.triangles, bodies.triangles_plane)
-
-
-def threemf_bytes(objects: Sequence[PrintObject], name: str) -> bytes:
+def threemf_bytes(objects: Sequence[PrintObject], name: str, slicer: Slicer = "prusa") -> bytes:
     """3MF package in millimetres; no dates, so the same objects give the same bytes.
 
     Coordinates are rounded to 1e-6 mm; vertices keep their own places, so surfaces stay closed.
 
-    Raises `InvalidValue` without a triangle.
+    Raises `InvalidState` without a triangle.
     """
     if not sum(len(part.mesh.triangles) for each in objects for part in each.parts):
         raise InvalidState("objects", "no object has a triangle", "Give a sheet with panels.")
+    every = [_material(part) for each in objects for part in each.parts]
+    materials = {material: number for number, material in enumerate(dict.fromkeys(every))}
+    lay_out = _volumes if slicer == "prusa" else _components
+    model, built, tables = lay_out(objects, materials)
+    text = "".join([_opening(name, _APPLICATIONS[slicer], materials), *model, _build(built)])
     return zip_bytes(
         {
             "[Content_Types].xml": _TYPES.encode(),
             "_rels/.rels": _RELATIONS.encode(),
-            "3D/3dmodel.model": _model(objects, name).encode(),
-            "Metadata/Slic3r_PE_model.config": _volumes(objects).encode(),
+            "3D/3dmodel.model": text.encode(),
+            **{path: table.encode() for path, table in tables.items()},
         }
     )
 
 
-def _model(objects: Sequence[PrintObject], name: str) -> str:
-    """The XML of the model, with a material for each pair of name and colour."""
-    every = [(part.name, part.colour) for each in objects for part in each.parts]
-    materials = {material: number for number, material in enumerate(dict.fromkeys(every))}
+def _material(part: Part) -> tuple[str, Rgb]:
+    named = part.name if part.material is None else f"{part.name}: {part.material}"
+    return named, part.colour
+
+
+_Laid: TypeAlias = tuple[list[str], list[tuple[int, BedPlace]], dict[str, str]]
+
+
+def _volumes(objects: Sequence[PrintObject], materials: _Materials) -> _Laid:
+    """One mesh for each object: its XML, what is built where, and the tables of slicers."""
+    numbered = list(enumerate(objects, _FIRST))
+    model = [
+        text
+        for number, each in numbered
+        for text in _mesh(number, each.name, each.parts, materials)
+    ]
+    table = prusa_table([(number, each.name, each.parts) for number, each in numbered])
+    return model, [(number, each.place) for number, each in numbered], {PRUSA_TABLE: table}
+
+
+def _components(objects: Sequence[PrintObject], materials: _Materials) -> _Laid:
+    """The same with a mesh for each part, and an object of components for each object."""
+    model: list[str] = []
+    meshes: list[tuple[int, str, Sequence[Part]]] = []
+    wholes: list[tuple[int, PrintObject, Sequence[int]]] = []
+    number = _FIRST
+    for each in objects:
+        numbers = range(number, number + len(each.parts))
+        number = numbers.stop + 1
+        for own, part in zip(numbers, each.parts, strict=True):
+            model += _mesh(own, part.name, [part], materials)
+            meshes.append((own, part.name, [part]))
+        listed = "".join(f'<component objectid="{own}"/>' for own in numbers)
+        model.append(
+            f'<object id="{numbers.stop}" type="model" name={quoteattr(each.name)}>'
+            f"<components>{listed}</components></object>\n"
+        )
+        wholes.append((numbers.stop, each, numbers))
+    tables = {PRUSA_TABLE: prusa_table(meshes), BAMBU_TABLE: bambu_table(wholes)}
+    return model, [(own, each.place) for own, each, _ in wholes], tables
+
+
+def _opening(name: str, application: str, materials: _Materials) -> str:
     bases = "".join(
         f"<base name={quoteattr(title)} displaycolor="
         f'"#{"".join(f"{round(255 * x):02X}" for x in colour)}"/>'
         for title, colour in materials
     )
-    pieces = [
+    return (
         f'{_HEAD}<model unit="millimeter" xml:lang="en-US" xmlns="{_CORE}">\n'
         f'<metadata name="Title">{quoteattr(name)[1:-1]}</metadata>\n'
+        f'<metadata name="Application">{application}</metadata>\n'
         f'<resources><basematerials id="1">{bases}</basematerials>\n'
-    ]
-    for number, each in enumerate(objects, _FIRST):
-        pieces += _object(each, number, materials)
-    items = "".join(f'<item objectid="{k}"/>' for k in range(_FIRST, _FIRST + len(objects)))
-    return "".join([*pieces, f"</resources>\n<build>{items}</build>\n</model>\n"])
+    )
 
 
-def _object(
-    each: PrintObject, number: int, materials: Mapping[tuple[str, Rgb], int]
-) -> Iterator[str]:
-    numbers = [materials[part.name, part.colour] for part in each.parts]
+def _build(built: Sequence[tuple[int, BedPlace]]) -> str:
+    items = "".join(f'<item objectid="{own}"{_transform(place)}/>' for own, place in built)
+    return f"</resources>\n<build>{items}</build>\n</model>\n"
+
+
+def _transform(place: BedPlace) -> str:
+    """The attribute that moves an item: the rows of its matrix, which stands to the right."""
+    if place == BedPlace():
+        return ""
+    (x, y), (sine, cosine) = place.shift_mm, _sine_cosine(place.turn_deg)
+    rows = [cosine, sine, 0, -sine, cosine, 0, 0, 0, 1, x, y, 0]
+    return f' transform="{" ".join(f"{round(value, 9) + 0.0:.9g}" for value in rows)}"'
+
+
+def _sine_cosine(turn_deg: float) -> tuple[float, float]:
+    turn = float(np.radians(turn_deg))
+    return float(np.sin(turn)), float(np.cos(turn))
+
+
+def _mesh(number: int, name: str, parts: Sequence[Part], materials: _Materials) -> Iterator[str]:
+    """An object whose mesh is that of some parts, one after another."""
+    numbers = [materials[_material(part)] for part in parts]
     yield (
-        f'<object id="{number}" type="model" name={quoteattr(each.name)} pid="1" '
+        f'<object id="{number}" type="model" name={quoteattr(name)} pid="1" '
         f'pindex="{numbers[0]}"><mesh>\n<vertices>'
     )
-    for part in each.parts:
+    for part in parts:
         rows = part.mesh.vertices_coords
         yield '<vertex x="%.6f" y="%.6f" z="%.6f"/>' * len(rows) % tuple(rows.flat)
     yield "</vertices>\n<triangles>"
     first = 0
-    for place, part in zip(numbers, each.parts, strict=True):
+    for place, part in zip(numbers, parts, strict=True):
         corners: IntArray = part.mesh.triangles + first
         # the first material is the object's own
         material = f' pid="1" p1="{place}"' if place != numbers[0] else ""
@@ -150,25 +177,3 @@ def _object(
         yield text * len(corners) % tuple(corners.flat)
         first += len(part.mesh.vertices_coords)
     yield "</triangles>\n</mesh></object>\n"
-
-
-def _volumes(objects: Sequence[PrintObject]) -> str:
-    """PrusaSlicer's table of the volumes of all objects."""
-    lines = [f"{_HEAD}<config>"]
-    for number, each in enumerate(objects, _FIRST):
-        lines.append(f'<object id="{number}" instances_count="1">')
-        lines.append(f'<metadata type="object" key="name" value={quoteattr(each.name)}/>')
-        first = 0
-        for part in each.parts:
-            end = first + len(part.mesh.triangles)
-            lines.append(f'<volume firstid="{first}" lastid="{end - 1}">')
-            first = end
-            for key, value in (
-                ("name", part.name),
-                ("volume_type", "ModelPart"),
-                ("extruder", str(part.extruder)),
-            ):
-                lines.append(f'<metadata type="volume" key="{key}" value={quoteattr(value)}/>')
-            lines.append("</volume>")
-        lines.append("</object>")
-    return "\n".join([*lines, "</config>\n"])

@@ -32,6 +32,8 @@ _UNITS = {
 _STOCK: Mapping[tuple[str, ...], Kind] = {
     ("printer", "machine"): "printer",
     ("printer", "material"): "print",
+    ("printer", "panel_material"): "print",
+    ("printer", "hinge_material"): "print",
 }
 _BOUNDS = {"gt": "min", "ge": "min", "lt": "max", "le": "max"}
 

@@ -95,6 +95,8 @@ def _require_within(document: Mapping[str, Any], folder: Path) -> None:
         ("design", "kind"),
         ("printer", "machine"),
         ("printer", "material"),
+        ("printer", "panel_material"),
+        ("printer", "hinge_material"),
     ]
     inside = folder.resolve()
     for table, key in named:

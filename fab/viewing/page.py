@@ -58,7 +58,7 @@ _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Folding", ("verdict", "simulation", "rigid", "tolerance_deg")),
 )
 # What is asked for, shown as it is.
-_ASKED = ("job", "settings", "material", "machine", "printer", "solver")
+_ASKED = ("job", "settings", "material", "hinge_material", "machine", "printer", "solver")
 # Of a report, what the page shows elsewhere or, as the seconds, not at all.
 _ELSEWHERE = ("outputs", "findings", "seconds", "quadfold", "name")
 _PICTURE_COLOURS = 64

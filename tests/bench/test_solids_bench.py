@@ -18,7 +18,8 @@ from fab.panels.step import step_bytes
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
-from fab.printing.threemf import PrintObject, sheet_parts, threemf_bytes
+from fab.printing.print_objects import PrintObject, sheet_parts
+from fab.printing.threemf import threemf_bytes
 from solver import Miura
 
 SIDES = (10, 20, 40, 80)

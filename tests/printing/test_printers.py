@@ -242,7 +242,7 @@ def test_figures_of_mass_and_bed_area():
     joined = joined_mesh(sheet.joining)
     material = load_print_material("pp_filament")
     solids, findings = inspect_solids(sheet, manifolds(sheet.bodies), joined)
-    figures = print_figures(solids.volume_mm3, joined, material)
+    figures = print_figures(solids, joined, material, material)
     assert findings == []
     web = 0.5 * (SIDE_MM - 0.2)  # ends 0.1 mm before the corners
     assert figures.bed_area_mm2 == pytest.approx(SIDE_MM * (2 * SIDE_MM - 0.5) + web)

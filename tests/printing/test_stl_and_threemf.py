@@ -15,8 +15,9 @@ from thick_sheets import miura_pattern, shipped_pattern, thick
 from fab.geometry.bodies import TriangleMesh
 from fab.geometry.booleans import joined_mesh, manifold_of
 from fab.panels.body_colours import body_colours
+from fab.printing.print_objects import Part, PrintObject, sheet_parts
 from fab.printing.stl import body_stls, inspect_stl, stl_bytes
-from fab.printing.threemf import Part, PrintObject, sheet_parts, threemf_bytes
+from fab.printing.threemf import threemf_bytes
 from solver.errors import InvalidValue
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"
