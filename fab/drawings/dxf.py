@@ -1,7 +1,7 @@
 """DXF files of cut paths.
 
 Real segments, no linetypes; one layer and one colour per operation; millimetres in the header.
-ezdxf writes header, tables and outlines. The dashes are formatted in bulk, because a million of
+ezdxf writes header, tables and polylines. The dashes are formatted in bulk, because a million of
 them would otherwise take minutes, and put before the outlines, because a machine that cuts in the
 order of the file must free pieces last.
 """
@@ -91,12 +91,14 @@ def _frame(
         space = document.modelspace()
         for layer in paths.layers:
             document.layers.add(layer.operation, color=colours.of(layer.operation).aci)
-            for outline in layer.outlines:
-                attributes = {"layer": layer.operation}
+            attributes = {"layer": layer.operation}
+            lines = [(chain, False) for chain in layer.chains]
+            lines += [(outline, True) for outline in layer.outlines]
+            for line, close in lines:
                 if version is DxfVersion.R12:
-                    space.add_polyline2d(outline, close=True, dxfattribs=attributes)
+                    space.add_polyline2d(line, close=close, dxfattribs=attributes)
                 else:
-                    space.add_lwpolyline(outline, close=True, dxfattribs=attributes)
+                    space.add_lwpolyline(line, close=close, dxfattribs=attributes)
         corners = (0.0, 0.0, 0.0), (*paths.size_mm, 0.0)
         document.header["$EXTMIN"], document.header["$EXTMAX"] = corners
         space.dxf.extmin, space.dxf.extmax = corners

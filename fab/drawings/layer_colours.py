@@ -20,8 +20,8 @@ class Colour(Settings):
 class Colours(Settings):
     """Colours of the operations.
 
-    By default marks are green, mountains red, valleys blue, relief holes magenta, and cuts black
-    (white on dark in DXF).
+    By default marks are green, mountains red, valleys blue, relief holes magenta, holes orange, and
+    cuts black (white on dark in DXF).
 
     >>> Colours().of(Operation.VALLEY).hex
     '#0000ff'
@@ -31,6 +31,7 @@ class Colours(Settings):
     mountain: Colour = Colour(hex="#ff0000", aci=1)
     valley: Colour = Colour(hex="#0000ff", aci=5)
     relief: Colour = Colour(hex="#ff00ff", aci=6)
+    hole: Colour = Colour(hex="#ff8000", aci=30)
     cut: Colour = Colour(hex="#000000", aci=7)
 
     def of(self, operation: Operation) -> Colour:
@@ -40,5 +41,6 @@ class Colours(Settings):
             Operation.MOUNTAIN: self.mountain,
             Operation.VALLEY: self.valley,
             Operation.RELIEF: self.relief,
+            Operation.HOLE: self.hole,
             Operation.CUT: self.cut,
         }[operation]

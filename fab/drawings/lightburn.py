@@ -32,12 +32,14 @@ from solver.vectors import FloatArray
 
 __all__ = ["lightburn_bytes"]
 
-# LightBurn's layers have fixed colours: black, blue, red, green, and magenta as the eighth.
+# LightBurn has fixed colours of layers: black, blue, red, green, orange the sixth, magenta the
+# eighth.
 _LAYERS = {
     Operation.ENGRAVE: 3,
     Operation.MOUNTAIN: 2,
     Operation.VALLEY: 1,
     Operation.RELIEF: 7,
+    Operation.HOLE: 5,
     Operation.CUT: 0,
 }
 # Numbers of texts that count up: none are drawn, but LightBurn looks for the table.

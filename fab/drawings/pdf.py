@@ -72,7 +72,7 @@ def _write_group(out: BinaryIO, layer: Layer, colour: str) -> None:
     name = layer.operation.encode()
     out.write(b"/OC /%b BDC\n%.4f %.4f %.4f RG\n" % (name, red, green, blue))
     write_records(out, [b"", b" ", b" m ", b" ", b" l S\n"], layer.segments.reshape(-1, 4))
-    for outline in layer.outlines:
-        points = b" l\n".join(b"%.6f %.6f" % (x, y) for x, y in outline.tolist())
-        out.write(points.replace(b" l\n", b" m\n", 1) + b" l s\n")
+    for line, end in [*((c, b"S") for c in layer.chains), *((o, b"s") for o in layer.outlines)]:
+        points = b" l\n".join(b"%.6f %.6f" % (x, y) for x, y in line.tolist())
+        out.write(points.replace(b" l\n", b" m\n", 1) + b" l %b\n" % end)
     out.write(b"EMC\n")

@@ -27,12 +27,21 @@ _UNITS_PER_MM = 40
 _MM_PER_CM = 10
 # Slower is no speed to plotters that take whole numbers.
 _LEAST_CM_S = 1
+_TOOLS = {
+    Operation.ENGRAVE: 1,
+    Operation.MOUNTAIN: 2,
+    Operation.VALLEY: 3,
+    Operation.RELIEF: 4,
+    Operation.HOLE: 6,
+    Operation.CUT: 5,
+}
 
 
 def plotter_bytes(paths: CutPaths, settings: Mapping[Operation, CutSetting] | None = None) -> bytes:
     """The file, the same bytes for the same paths; as seen from the upper side.
 
-    Tools are 1 for engravings, 2 mountains, 3 valleys, 4 relief holes, 5 cuts, in this order.
+    Tools are 1 for engravings, 2 mountains, 3 valleys, 4 relief holes, 6 holes, 5 cuts, in this
+    order.
     settings : of the operations; speeds are rounded to whole cm/s, and are the plotter's own where
         left out.
     """
@@ -43,7 +52,7 @@ def plotter_bytes(paths: CutPaths, settings: Mapping[Operation, CutSetting] | No
         lines = polylines(layer)
         if not lines:
             continue
-        out.write(f"PU;SP{list(Operation).index(layer.operation) + 1};")
+        out.write(f"PU;SP{_TOOLS[layer.operation]};")
         if layer.operation in chosen:
             speed = round(chosen[layer.operation].speed_mm_s / _MM_PER_CM)
             out.write(f"VS{max(speed, _LEAST_CM_S)};")

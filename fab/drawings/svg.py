@@ -51,7 +51,7 @@ def svg_bytes(
 
 
 def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str, stroke_mm: float) -> None:
-    """Write the lines of a layer: all segments in one path, each outline in its own."""
+    """Write the lines of a layer: all segments in one path, each other line in its own."""
     name = quoteattr(layer.operation)
     out.write(
         f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" '
@@ -62,8 +62,8 @@ def _write_group(out: BinaryIO, layer: Layer, height: float, colour: str, stroke
         out.write(b'<path d="')
         write_records(out, [b"M", b",", b"L", b",", b" "], segments)
         out.write(b'"/>\n')
-    for outline in layer.outlines:
-        points = (outline * [1, -1] + [0, height]).tolist()
-        path = "M" + "L".join("%.6f,%.6f" % (x, y) for x, y in points) + "Z"
+    for line, end in [*((c, "") for c in layer.chains), *((o, "Z") for o in layer.outlines)]:
+        points = (line * [1, -1] + [0, height]).tolist()
+        path = "M" + "L".join("%.6f,%.6f" % (x, y) for x, y in points) + end
         out.write(f'<path d="{path}"/>\n'.encode())
     out.write(b"</g>\n")

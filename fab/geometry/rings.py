@@ -12,7 +12,7 @@ import numpy as np
 from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["are_convex", "by_size", "ring_areas"]
+__all__ = ["are_convex", "by_size", "is_hole", "ring_areas"]
 
 
 def by_size(corners: IntArray, offsets: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
@@ -36,6 +36,11 @@ def ring_areas(corners: FloatArray, offsets: IntArray) -> FloatArray:
     twice = local[:, 0] * following[:, 1] - local[:, 1] * following[:, 0]
     out: FloatArray = np.add.reduceat(twice, offsets[:-1]) / 2
     return out
+
+
+def is_hole(ring: FloatArray) -> bool:
+    """Whether a ring, shape (m, 2), runs clockwise, so that material on its left is around it."""
+    return bool(ring_areas(ring, np.array([0, len(ring)]))[0] < 0)
 
 
 def are_convex(corners: FloatArray, offsets: IntArray) -> BoolArray:

@@ -235,9 +235,8 @@ def _placed(
 
 def _outline(layers: Sequence[Layer]) -> shapely.Polygon:
     """The outline of a piece as it is cut, with its holes, which have room for other pieces."""
-    rings = [
-        ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
-    ]
+    cut = (Operation.HOLE, Operation.CUT)
+    rings = [ring for layer in layers if layer.operation in cut for ring in layer.outlines]
     if not rings:
         raise InvalidState("sheet", "the sheet is narrower than the kerf", "Enlarge it.")
     figures = np.array([shapely.Polygon(ring) for ring in rings])

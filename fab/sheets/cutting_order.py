@@ -25,9 +25,10 @@ _ROUNDS = 4
 def tour(paths: CutPaths) -> CutPaths:
     """The same lines in an order and direction that keep the travel short, from the origin on.
 
-    Operations follow each other in the order of the work, in each the segments before the
+    Operations follow each other in the order of the work, in each segments, then chains, then
     outlines. CUT outlines go inside-out: those deepest within others come first, so that nothing is
-    cut in a piece that is free already, and the outermost are freed last. Segments may be reversed;
+    cut in a piece that is free already, and the outermost are freed last; so HOLE outlines that a
+    piece lies in come with them, as CUT. Segments and chains may be reversed;
     outlines may start at any of their vertices. From where the head comes from, the travel of each
     group is no longer than in the order given, or by nearest neighbours alone.
 
@@ -38,15 +39,40 @@ def tour(paths: CutPaths) -> CutPaths:
     """
     head = np.zeros(2)
     layers = []
-    for layer in sorted(paths.layers, key=lambda layer: list(Operation).index(layer.operation)):
+    ordered = _occupied_holes_last(paths.layers)
+    for layer in sorted(ordered, key=lambda layer: list(Operation).index(layer.operation)):
         segments = _segments_tour(layer.segments, head)
         head = segments[-1, 1] if len(segments) else head
+        chains = _chains_tour(layer.chains, head)
+        head = chains[-1][-1] if chains else head
         outlines: list[FloatArray] = []
         for group in _groups(layer):
             outlines += _outlines_tour(group, head)
             head = outlines[-1][0]
-        layers.append(replace(layer, segments=segments, outlines=tuple(outlines)))
+        layers.append(replace(layer, segments=segments, chains=chains, outlines=tuple(outlines)))
     return replace(paths, layers=tuple(layers))
+
+
+def _occupied_holes_last(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
+    """Layers whose HOLE outlines with a CUT outline in them are on that of CUT."""
+    of = {layer.operation: layer for layer in layers}
+    if not {Operation.HOLE, Operation.CUT} <= set(of):
+        return layers
+    hole, cut = of[Operation.HOLE], of[Operation.CUT]
+    lines = [*cut.outlines, *cut.chains, *cut.segments]
+    if not lines or not hole.outlines:
+        return layers
+    shapes = np.array([shapely.Polygon(ring) for ring in hole.outlines])
+    points = shapely.points(np.array([line[0] for line in lines]))
+    around = set(shapely.STRtree(points).query(shapes, predicate="contains_properly")[0].tolist())
+    if not around:
+        return layers
+    free = tuple(ring for i, ring in enumerate(hole.outlines) if i not in around)
+    full = tuple(ring for i, ring in enumerate(hole.outlines) if i in around)
+    of[Operation.HOLE] = replace(hole, outlines=free)
+    of[Operation.CUT] = replace(cut, outlines=(*cut.outlines, *full))
+    kept = (of[layer.operation] for layer in layers)
+    return tuple(layer for layer in kept if layer.operation is not Operation.HOLE or free)
 
 
 def _groups(layer: Layer) -> Iterator[list[FloatArray]]:
@@ -76,13 +102,25 @@ def _segments_tour(segments: FloatArray, head: FloatArray) -> FloatArray:
     """The segments in order and direction, shape (n, 2, 2)."""
     if not len(segments):
         return segments
+    return _directed(segments.reshape(-1, 2), _entries(segments, head))
+
+
+def _chains_tour(chains: tuple[FloatArray, ...], head: FloatArray) -> tuple[FloatArray, ...]:
+    """The chains in order and direction."""
+    if not chains:
+        return ()
+    entries = _entries(np.stack([chain[[0, -1]] for chain in chains]), head)
+    return tuple(chains[end // 2][:: -1 if end % 2 else 1] for end in entries.tolist())
+
+
+def _entries(segments: FloatArray, head: FloatArray) -> IntArray:
+    """The end at which each line is entered, in their order: 2 i of line i, or 2 i + 1, (n,)."""
     ends = segments.reshape(-1, 2)
     number = np.arange(len(ends))
     entries = nearest_neighbours(ends, number // 2, number ^ 1, head)
     if travel_mm(segments, head) <= travel_mm(_directed(ends, entries), head):
         entries = number[::2]
-    entries = Tour(ends, entries, head).improved()
-    return _directed(ends, entries)
+    return Tour(ends, entries, head).improved()
 
 
 def _directed(ends: FloatArray, entries: IntArray) -> FloatArray:

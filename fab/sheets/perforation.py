@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
+from fab.drawings.cut_paths import CutPaths, Layer, Operation, chained, joined
 from fab.errors import Finding
+from fab.geometry.rings import is_hole
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.outlines import inner_cuts, outlines_of
 from fab.sheets.crease_cuts import SHORTEST_CUT_MM, cuts_along, require_kerf
@@ -74,7 +75,7 @@ def cut_layers(
 def cut_piece(
     pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
 ) -> CutPiece:
-    """Perforated creases, relief holes, inner cuts and closed outlines, where the pattern is.
+    """Perforated creases, relief and other holes, inner cuts and outlines, where the pattern is.
 
     kerf_mm : width of the beam. Cuts on creases are drawn shorter by it, and outlines and relief
         holes are moved by half of it (`fab.sheets.kerf`); inner cuts stay.
@@ -104,10 +105,20 @@ def cut_piece(
     borders = outlines_of(pattern)
     moved, relief = compensated(borders.rings, kerf_mm), compensated(holes.rings, kerf_mm)
     if holes.rings:
-        layers.append(Layer(Operation.RELIEF, relief.gaps, relief.rings))
+        layers.append(_through(Operation.RELIEF, relief.gaps, relief.rings))
+    inner = tuple(ring for ring in moved.rings if is_hole(ring))
+    if inner:
+        layers.append(Layer(Operation.HOLE, outlines=inner))
     slits = np.concatenate([borders.slits, moved.gaps])
-    layers.append(Layer(Operation.CUT, slits, moved.rings))
+    outer = tuple(ring for ring in moved.rings if not is_hole(ring))
+    layers.append(_through(Operation.CUT, slits, outer))
     return CutPiece(joined(layers), creases, (*findings, *moved.findings, *relief.findings))
+
+
+def _through(operation: Operation, lines: FloatArray, outlines: tuple[FloatArray, ...]) -> Layer:
+    """A layer of lines, shape (n, 2, 2), of which those that meet are chains, and outlines."""
+    segments, chains = chained(lines)
+    return Layer(operation, segments, outlines, chains)
 
 
 @dataclass(frozen=True)

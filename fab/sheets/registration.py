@@ -23,7 +23,7 @@ _LEAST_BORDERS = 4
 # Paths may reach into the border by the rounding of coordinates, in mm.
 _ROUNDING_MM = 1e-5
 # What the back works on: it comes last, so it frees the pieces.
-_BACK = (Operation.VALLEY, Operation.CUT)
+_BACK = (Operation.VALLEY, Operation.HOLE, Operation.CUT)
 
 
 class Axis(StrEnum):
@@ -141,7 +141,7 @@ def _require_free(paths: CutPaths, border_mm: float) -> None:
             "Its border holds the registration holes: take a larger sheet or smaller holes.",
         )
     points = [layer.segments.reshape(-1, 2) for layer in paths.layers]
-    points += [outline for layer in paths.layers for outline in layer.outlines]
+    points += [line for layer in paths.layers for line in (*layer.outlines, *layer.chains)]
     every = np.concatenate([np.empty((0, 2)), *points])
     low, high = every - border_mm, np.array(paths.size_mm) - border_mm - every
     free = float(min(low.min(initial=np.inf), high.min(initial=np.inf))) + border_mm

@@ -126,6 +126,7 @@ class SheetRequest:
             Operation.MOUNTAIN: CutSetting(speeds.perforate_mm_s, self._crease_power("mountain")),
             Operation.VALLEY: CutSetting(speeds.perforate_mm_s, self._crease_power("valley")),
             Operation.RELIEF: cut,
+            Operation.HOLE: cut,
             Operation.CUT: cut,
         }
 

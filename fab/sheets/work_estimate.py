@@ -20,7 +20,7 @@ class Estimate:
 
     Attributes
     ----------
-    pierces : lines and outlines cut through; engraved ones need none.
+    pierces : lines, chains and outlines cut through; engraved ones need none.
     cut_mm, perforate_mm, engrave_mm : length of the work.
     travel_mm : from the origin to the first line and from line to line, without the return.
     minutes : all lengths at their speeds, and the pierces.
@@ -44,12 +44,13 @@ def estimate(paths: CutPaths, speeds: Speeds) -> Estimate:
         if layer.operation is Operation.ENGRAVE:
             engrave += float(length)
         else:
-            pierces += len(layer.segments) + len(layer.outlines)
+            pierces += len(layer.segments) + len(layer.chains) + len(layer.outlines)
             if layer.operation in (Operation.MOUNTAIN, Operation.VALLEY):
                 perforate += float(length)
             else:
                 cut += float(length)
         stops.append(layer.segments.reshape(-1, 2))
+        stops += [chain[[0, -1]] for chain in layer.chains]
         stops += [outline[[0, 0]] for outline in layer.outlines]
     travel = travel_mm(np.concatenate(stops).reshape(-1, 2, 2), np.zeros(2))
     seconds = (
@@ -65,7 +66,9 @@ def estimate(paths: CutPaths, speeds: Speeds) -> Estimate:
 def _length_mm(layer: Layer) -> float:
     """Length of all lines of a layer."""
     length = lengths(layer.segments).sum()
-    length += sum(lengths(_sides(outline)).sum() for outline in layer.outlines)
+    sides = [np.stack([chain[:-1], chain[1:]], axis=1) for chain in layer.chains]
+    sides += map(_sides, layer.outlines)
+    length += sum(lengths(own).sum() for own in sides)
     return float(length)
 
 

@@ -100,6 +100,7 @@ def sheet_drawing(
         colour, name = chosen.of(layer.operation).hex, layer.operation.value
         layers[name] = (name.lower(), colour)
         path = _lines_path(segments, height) + _rings_path(layer.outlines, height)
+        path += _rings_path(layer.chains, height, end="")
         groups.append(_group(name, colour, path))
     return Drawing(_svg((0.0, 0.0), (width, height), groups, title), layers, note)
 
@@ -161,11 +162,11 @@ def _group(layer: str, colour: str, path: str) -> str:
     return f'<g data-layer="{layer}" stroke="{colour}"><path d="{path}"/></g>'
 
 
-def _rings_path(outlines: Sequence[FloatArray], height: float) -> str:
+def _rings_path(outlines: Sequence[FloatArray], height: float, end: str = "Z") -> str:
     rings = []
     for outline in outlines:
         points = (outline * [1.0, -1.0] + [0.0, height]).round(2).tolist()
-        rings.append("M" + "L".join(f"{x:g},{y:g}" for x, y in points) + "Z")
+        rings.append("M" + "L".join(f"{x:g},{y:g}" for x, y in points) + end)
     return "".join(rings)
 
 

@@ -278,3 +278,23 @@ def test_pdf_is_drawn_where_it_should_be():
 def test_sheets_larger_than_a_page_are_refused():
     with pytest.raises(InvalidValue, match="at most 5080 mm"):
         pdf_bytes(CutPaths((), (5081.0, 10.0)), "large")
+
+
+@pytest.mark.parametrize("version", list(DxfVersion))
+def test_chains_are_one_open_line_in_every_format(version):
+    bend = np.array([[10.0, 20], [10, 50], [40, 50]])
+    layer = Layer(Operation.HOLE, np.array([[[1.0, 2], [3, 4]]]), (bend + 40,), (bend,))
+    paths = CutPaths((layer,), (100.0, 100.0), on_bed=True)
+    space = ezdxf.read(io.StringIO(dxf_bytes(paths, version=version).decode())).modelspace()
+    kind = "POLYLINE" if version is DxfVersion.R12 else "LWPOLYLINE"
+    lines = {entity.is_closed: entity for entity in space.query(kind)}
+    assert set(lines) == {True, False}
+    points = list(lines[False].points() if kind == "POLYLINE" else lines[False].vertices())
+    assert np.array(points)[:, :2] == pytest.approx(bend)
+    root = ElementTree.fromstring(svg_bytes(paths, "a"))
+    drawn = [path.get("d") for path in root.iter(f"{SVG}path")]
+    assert drawn[1] == "M10.000000,80.000000L10.000000,50.000000L40.000000,50.000000"
+    assert drawn[2].endswith("Z")
+    data = PdfReader(io.BytesIO(pdf_bytes(paths, "a"))).pages[0].get_contents().get_data()
+    assert b"10.000000 20.000000 m\n10.000000 50.000000 l\n40.000000 50.000000 l S\n" in data
+    assert data.count(b" l s\n") == 1

@@ -56,7 +56,7 @@ def dxf_lengths(data):
             length = (entity.dxf.end - entity.dxf.start).magnitude
         else:
             points = [(x, y) for x, y, *_ in entity.get_points()]
-            length = shapely.LinearRing(points).length
+            length = (shapely.LinearRing if entity.closed else shapely.LineString)(points).length
         out[entity.dxf.layer] = out.get(entity.dxf.layer, 0.0) + length
     return out
 
@@ -166,7 +166,14 @@ def test_lines_that_meet_are_one_and_titles_are_escaped():
     assert polylines(Layer(Operation.CUT)) == []
 
 
-TOOLS = dict(enumerate(Operation, 1))
+TOOLS = {
+    1: Operation.ENGRAVE,
+    2: Operation.MOUNTAIN,
+    3: Operation.VALLEY,
+    4: Operation.RELIEF,
+    5: Operation.CUT,
+    6: Operation.HOLE,
+}
 ROUNDED = 0.0125 + 1e-9
 
 

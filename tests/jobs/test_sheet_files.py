@@ -84,7 +84,7 @@ def drawn(data):
             shape = shapely.LineString([(p.x, p.y) for p in ends])
         else:
             points = [(x, y) for x, y, *_ in entity.get_points()]
-            shape = shapely.LineString([*points, points[0]])
+            shape = shapely.LineString([*points, *points[: entity.closed]])
         lines.setdefault(entity.dxf.layer, []).append(shape)
     return lines
 
@@ -149,7 +149,7 @@ def test_sheets_of_any_pattern_hold_its_faces_and_tabs_once(pattern, material, c
         through = [line for layer, own in lines.items() if layer != "ENGRAVE" for line in own]
         total = sum(line.length for line in through)
         assert shapely.union_all(through, grid_size=1e-5).length == pytest.approx(total, abs=0.02)
-        rings = [line for line in lines["CUT"] if line.is_ring]
+        rings = [line for line in (*lines["CUT"], *lines.get("HOLE", [])) if line.is_ring]
         outlines = shapely.get_parts(shapely.build_area(shapely.union_all(rings)))
         assert len(outlines) == len(sheet["pieces"])
         first, second = shapely.STRtree(outlines).query(outlines, "dwithin", distance=1.9)

@@ -220,3 +220,32 @@ def test_lines_that_lie_on_each_other_are_all_kept():
 def test_speeds_must_be_positive():
     with pytest.raises(ValueError, match="travel_mm_s"):
         Speeds(cut_mm_s=1.0, perforate_mm_s=1.0, engrave_mm_s=1.0, travel_mm_s=0.0)
+
+
+def test_holes_are_cut_before_outlines_but_after_a_piece_in_them():
+    def ring(a, b):
+        return np.array([[a, a], [b, a], [b, b], [a, b]], float)
+
+    empty, full = ring(10, 20)[::-1], ring(50, 80)[::-1]
+    layers = (
+        Layer(Operation.HOLE, outlines=(empty, full)),
+        Layer(Operation.CUT, outlines=(ring(0, 100), ring(60, 70))),
+    )
+    hole, cut = tour(sheet(*layers)).layers
+    assert hole.operation is Operation.HOLE
+    assert [np.ptp(outline[:, 0]) for outline in hole.outlines] == [10]
+    assert [np.ptp(outline[:, 0]) for outline in cut.outlines] == [10, 30, 100]
+    only = tour(sheet(Layer(Operation.HOLE, outlines=(full,)), layers[1]))
+    assert [layer.operation for layer in only.layers] == [Operation.CUT]
+
+
+def test_chains_are_followed_whole_from_their_nearer_end():
+    bend = np.array([[40.0, 0], [40, 30], [10, 30]])
+    other = np.array([[5.0, 5], [20, 5], [39, 2]])
+    layer = Layer(Operation.CUT, np.array([[[4.0, 0], [1, 0]]]), chains=(bend, other))
+    (toured,) = tour(sheet(layer)).layers
+    assert [chain.tolist() for chain in toured.chains] == [other.tolist(), bend.tolist()]
+    work = estimate(sheet(toured), SPEEDS)
+    assert work.pierces == 3
+    length = 3 + 60 + sum(np.hypot(*np.diff(other, axis=0).T))
+    assert work.cut_mm == pytest.approx(length)

@@ -52,6 +52,7 @@ def drawn(layers):
     out = defaultdict(list)
     for layer in layers:
         out[layer.operation] += list(shapely.linestrings(layer.segments))
+        out[layer.operation] += [shapely.LineString(chain) for chain in layer.chains]
         out[layer.operation] += [shapely.LinearRing(ring) for ring in layer.outlines]
     return out
 
@@ -80,7 +81,8 @@ def test_lengths_by_letter_are_those_by_operation(pattern):
     }
     for operation, length in pairs.items():
         assert length - slack <= found[operation] <= length + 1e-6
-    assert found[Operation.CUT] == pytest.approx(wanted["B"] + wanted.get("C", 0.0) + twice)
+    through = found[Operation.CUT] + found[Operation.HOLE]
+    assert through == pytest.approx(wanted["B"] + wanted.get("C", 0.0) + twice)
     edges = np.concatenate([piece.edges for piece in made.pieces])
     assert set(np.arange(len(ends))) <= set(edges.tolist())
 

@@ -51,9 +51,9 @@ def test_the_back_turned_over_completes_the_front(paths, axis):
     assert front.size_mm == back.size_mm == paths.size_mm
     before, f, b = by_operation(paths), by_operation(front), by_operation(back)
     assert set(f) == {Operation.ENGRAVE, Operation.MOUNTAIN, Operation.RELIEF}
-    assert set(b) == {Operation.ENGRAVE, Operation.VALLEY, Operation.CUT}
+    assert set(b) == {Operation.ENGRAVE, Operation.VALLEY, Operation.HOLE, Operation.CUT}
     assert (f[Operation.MOUNTAIN].segments == before[Operation.MOUNTAIN].segments).all()
-    for operation in (Operation.VALLEY, Operation.CUT):
+    for operation in (Operation.VALLEY, Operation.HOLE, Operation.CUT):
         again = turned(b[operation].segments, axis, back.size_mm)
         assert again == pytest.approx(before[operation].segments, abs=1e-9)
         rings = zip(b[operation].outlines, before[operation].outlines, strict=True)

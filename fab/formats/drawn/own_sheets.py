@@ -22,8 +22,8 @@ from solver.vectors import BoolArray, FloatArray
 __all__ = ["OPERATIONS", "recovered_sheet"]
 
 # Layers of a sheet, in the order in which they are drawn.
-OPERATIONS = ("ENGRAVE", "MOUNTAIN", "VALLEY", "RELIEF", "CUT")
-_LETTERS = {"ENGRAVE": "U", "MOUNTAIN": "M", "VALLEY": "V", "CUT": "C"}
+OPERATIONS = ("ENGRAVE", "MOUNTAIN", "VALLEY", "RELIEF", "HOLE", "CUT")
+_LETTERS = {"ENGRAVE": "U", "MOUNTAIN": "M", "VALLEY": "V", "HOLE": "C", "CUT": "C"}
 # Ends reach for their vertices in steps, so that the nearest ones are found first, mm.
 _REACHES_MM = (0.3, 0.6, 1.2, 2.5, 5.0, 10.0, 20.0)
 # Files have six digits after the point; a short dash points less exactly.
@@ -50,7 +50,7 @@ def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[
     layer = np.array(operations, dtype=object)[soup.lines_element]
     ring = np.array(closed, dtype=bool)[soup.lines_element]
     letters = np.array([_LETTERS.get(str(name), "U") for name in layer.tolist()], dtype="U1")
-    outline = ring & (layer == "CUT")
+    outline = ring & np.isin(layer, ["HOLE", "CUT"])
     letters[outline] = "B"
     label = ring & (layer == "ENGRAVE")
     hole = layer == "RELIEF"
