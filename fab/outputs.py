@@ -9,7 +9,6 @@ import io
 import json
 import logging
 import os
-import re
 import shutil
 import tempfile
 import zipfile
@@ -27,10 +26,8 @@ from solver.vectors import FloatArray
 __all__ = [
     "Made",
     "box_mm",
-    "file_names",
     "fixed_dxf_metadata",
     "formats_among",
-    "left_over",
     "plain_title",
     "require_folder",
     "with_report",
@@ -100,11 +97,6 @@ def plain_title(text: str) -> str:
     return "".join(letter if letter.isprintable() else "_" for letter in text)
 
 
-def file_names(name: str, formats: Iterable[str]) -> re.Pattern[str]:
-    """What files of some formats are called, with plates or without."""
-    return re.compile(rf"{re.escape(name)}(_plate_\d+|_bodies)?\.({'|'.join(formats)})")
-
-
 def formats_among(names: Iterable[str], kinds: type[Kind], source: str) -> list[Kind]:
     """The kinds of files of these names. Raises `InvalidJob`, which begins with `source`."""
     known = [str(kind) for kind in kinds]
@@ -115,13 +107,6 @@ def formats_among(names: Iterable[str], kinds: type[Kind], source: str) -> list[
             raise InvalidJob(f"{source} {str(name)!r} must be among {','.join(known)}.{hint}")
         chosen.append(kinds(name))
     return chosen
-
-
-def left_over(files: Iterable[str], kind: re.Pattern[str], folder: Path) -> list[Path]:
-    """Files of a kind in a folder that are not among `files`: those of an earlier run."""
-    present = sorted(folder.iterdir()) if folder.is_dir() else []
-    made = set(files)
-    return [path for path in present if kind.fullmatch(path.name) and path.name not in made]
 
 
 def zip_bytes(files: Mapping[str, bytes]) -> bytes:

@@ -14,10 +14,18 @@ from pydantic.fields import FieldInfo
 from fab.errors import InvalidJob, did_you_mean, nearest
 from fab.files import require_file
 
-__all__ = ["Settings", "alternatives", "apply_change", "checked", "read_toml"]
+__all__ = [
+    "LARGEST_BYTES",
+    "Settings",
+    "alternatives",
+    "apply_change",
+    "checked",
+    "parsed_toml",
+    "read_toml",
+]
 
 # Files that users write are a few kilobytes long.
-_LARGEST_BYTES = 1_000_000
+LARGEST_BYTES = 1_000_000
 _LONGEST_SHOWN = 80
 
 # What a number must be, and what other values must, by pydantic's name of the error.
@@ -61,16 +69,25 @@ Table = TypeVar("Table", bound=Settings)
 def read_toml(path: Path, cure: str) -> dict[str, Any]:
     """The tables of a TOML file. Raises `InvalidJob`, with `cure` where there is no such file."""
     size = require_file(path, InvalidJob, cure)
-    if size > _LARGEST_BYTES:
-        raise InvalidJob(f"{path}: has {size} bytes, must have at most {_LARGEST_BYTES}. {cure}")
+    if size > LARGEST_BYTES:
+        raise InvalidJob(f"{path}: has {size} bytes, must have at most {LARGEST_BYTES}. {cure}")
     try:
         text = path.read_bytes()
     except OSError as error:
         raise InvalidJob(f"{path}: cannot be read: {error.strerror}. {cure}") from error
+    return parsed_toml(text, str(path), cure)
+
+
+def parsed_toml(text: bytes, source: str, cure: str) -> dict[str, Any]:
+    """The tables of TOML that is read. Raises `InvalidJob`, which begins with `source`."""
+    if len(text) > LARGEST_BYTES:
+        raise InvalidJob(
+            f"{source}: has more than {LARGEST_BYTES} bytes, must have at most as many. {cure}"
+        )
     try:
         return tomllib.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
-        raise InvalidJob(f"{path}: not a TOML file: {error}. Correct it there.") from error
+        raise InvalidJob(f"{source}: not a TOML file: {error}. Correct it there.") from error
 
 
 def apply_change(document: dict[str, Any], change: str) -> None:

@@ -1,4 +1,4 @@
-"""The terminal: errors, interrupts, findings and progress of a run, as the user sees them."""
+"""The terminal: errors, interrupts and findings of a run, as the user sees them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
@@ -17,7 +17,10 @@ import click
 from fab.errors import Finding, Severity
 from solver.errors import OrigamiError
 
-__all__ = ["Interrupts", "answers", "progress_bar", "say", "tell", "tell_left"]
+__all__ = ["Interrupts", "answers", "say", "tell", "tell_all", "tell_left"]
+
+# Files of an earlier run that are named.
+_LISTED = 3
 
 
 @contextmanager
@@ -113,6 +116,12 @@ def tell(findings: Sequence[Finding]) -> None:
         say(f"{finding.severity}: {finding.code}: {finding.text}{more}", error=True)
 
 
+def tell_all(findings: Sequence[Finding]) -> None:
+    """A line for each finding: errors first, then warnings and notes, each in their order."""
+    for finding in sorted(findings, key=_gravity, reverse=True):
+        say(f"{finding.severity}: {finding.code}: {finding.text}", error=True)
+
+
 def _gravity(finding: Finding) -> int:
     return list(Severity).index(finding.severity)
 
@@ -120,31 +129,7 @@ def _gravity(finding: Finding) -> int:
 def tell_left(left: Sequence[Path]) -> None:
     """One line for files of the same name that an earlier run left and this one did not make."""
     if left:
-        more = f" and {len(left) - 1} more of this name are" if len(left) > 1 else " is"
-        say(f"note: {left[0]}{more} from an earlier run", error=True)
-
-
-@contextmanager
-def progress_bar(interrupts: Interrupts) -> Iterator[Callable[[str, int, int], None]]:
-    """A bar on a terminal, nothing in a pipe; either way a place where interrupts are seen."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda *_: interrupts.check()
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-
-    bar = Progress(
-        TextColumn("{task.description:<10}"),
-        BarColumn(),
-        TimeElapsedColumn(),
-        console=Console(stderr=True),
-        transient=True,
-    )
-    with bar:
-        task = bar.add_task("", total=1)
-
-        def show(stage: str, done: int, total: int) -> None:
-            interrupts.check()
-            bar.update(task, description=stage, completed=done, total=total)
-
-        yield show
+        names = ", ".join(path.name for path in left[:_LISTED])
+        more = f" and {len(left) - _LISTED} more" if len(left) > _LISTED else ""
+        are = "are" if len(left) > 1 else "is"
+        say(f"note: {names}{more} in {left[0].parent} {are} from an earlier run", error=True)

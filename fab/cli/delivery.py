@@ -3,50 +3,65 @@
 from __future__ import annotations
 
 import json
-import re
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from fab.cli.console import Interrupts, progress_bar, say, tell, tell_left
+from fab.cli.console import Interrupts, say, tell, tell_all, tell_left
+from fab.cli.progress_lines import progress_of
 from fab.errors import Severity
-from fab.outputs import Made, left_over, require_folder, write
+from fab.jobs.file_names import Family, left_over
+from fab.outputs import Made, require_folder, write
 from fab.progress import Progress
 
-__all__ = ["Told", "deliver", "write_made"]
+__all__ = ["FilesOf", "Told", "deliver", "write_made"]
 
 
 class Told(StrEnum):
-    """What a command prints: lines, the report as one JSON document, or nothing but errors."""
+    """What a command prints.
+
+    Lines; those and all findings and the seconds of each stage; the report as one JSON document; or
+    nothing but errors.
+    """
 
     LINES = "lines"
+    ALL = "all"
     JSON = "json"
     ERRORS = "errors"
+
+
+@dataclass(frozen=True)
+class FilesOf:
+    """The name of the job or pattern, and the families of files of which older ones are named."""
+
+    name: str
+    families: Sequence[Family]
 
 
 def deliver(
     interrupts: Interrupts,
     make: Callable[[Progress], Made],
     out: Path,
+    files: FilesOf,
     *,
     dry_run: bool,
     summary: Callable[[Mapping[str, Any]], Iterable[str]],
-    names: re.Pattern[str] | None = None,
     told: Told = Told.LINES,
 ) -> None:
     """Make files with progress at the terminal, write and sum them up, and exit.
 
     summary : gives the lines that sum up a report.
-    names : what files of the kind are called; those in `out` of an earlier run are named.
     told : what is printed; a refusal is one line of the error stream, whatever it is.
     """
     require_folder(out)
-    with progress_bar(interrupts) as progress:
+    in_lines = told in (Told.LINES, Told.ALL)
+    with progress_of(interrupts, lines=in_lines) as progress:
         made = make(progress)
     interrupts.check()
-    if told is Told.LINES:
+    if in_lines:
         write_made(made, out, dry_run=dry_run)
     elif not dry_run:
         write(made, out)
@@ -54,12 +69,14 @@ def deliver(
         say(json.dumps({"folder": None if dry_run else str(out), **made.report}, indent=2))
     if told is Told.ERRORS:
         tell([finding for finding in made.findings if finding.severity is Severity.ERROR])
-    if told is Told.LINES:
+    if told is Told.ALL:
+        for stage, seconds in made.report.get("seconds", {}).items():
+            say(f"{stage:<10}  {seconds:.2f} s")
+    if in_lines:
         for line in summary(made.report):
             say(line)
-        if names is not None:
-            tell_left(left_over(made.files, names, out))
-        tell(made.findings)
+        tell_left(left_over(made.files, files.name, files.families, out))
+        (tell_all if told is Told.ALL else tell)(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
 
 

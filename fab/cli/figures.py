@@ -6,9 +6,10 @@ from pathlib import Path
 
 import click
 
-from fab.cli.console import answers, progress_bar, say
+from fab.cli.console import answers, say
 from fab.cli.delivery import write_made
 from fab.cli.options import DRY_RUN, OUT, formats_of, only
+from fab.cli.progress_lines import progress_of
 from fab.errors import InvalidJob
 
 __all__ = ["figure"]
@@ -21,7 +22,7 @@ __all__ = ["figure"]
 @click.option("--list", "listed", is_flag=True, help="List names and captions; make nothing.")
 @DRY_RUN
 def figure(
-    names: tuple[str, ...], out: Path, only: str | None, listed: bool, dry_run: bool
+    names: tuple[str, ...], out: Path, only: tuple[str, ...], listed: bool, dry_run: bool
 ) -> None:
     """Make figures (S1 to S18) and movies (M1 to M10) of the paper, or all of them.
 
@@ -43,7 +44,7 @@ def figure(
         chosen = chosen_figures(names, formats_of(only, FigureFormat))
         require_folder(out)
         for each, formats in chosen:
-            with progress_bar(interrupts) as progress:
+            with progress_of(interrupts) as progress:
                 made = figure_files(each, formats, progress)
             interrupts.check()
             write_made(made, out, dry_run=dry_run)

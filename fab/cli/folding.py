@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fab.cli.console import answers
-from fab.cli.delivery import Told, deliver
+from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import allowed_job
 from fab.cli.options import (
     ALLOW_CODE,
@@ -74,7 +74,7 @@ def simulate(
     tolerance_deg: float | None,
     size: Size,
     options: ReadOptions,
-    only: str | None,
+    only: tuple[str, ...],
     dry_run: bool,
     allow_code: bool,
     told: Told,
@@ -87,6 +87,7 @@ def simulate(
     """
     with answers() as interrupts:
         from fab.folding.simulation import Solver
+        from fab.jobs.file_names import FOLDING
         from fab.jobs.folding_files import SimulationFormat, simulate
         from fab.outputs import plain_title
 
@@ -119,7 +120,8 @@ def simulate(
                 upright=upright,
             )
 
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, told=told)
+        files = FilesOf(name, [FOLDING])
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
 
 
 @click.command()
@@ -145,7 +147,7 @@ def animate(
     states: int | None,
     size: Size,
     options: ReadOptions,
-    only: str | None,
+    only: tuple[str, ...],
     dry_run: bool,
     allow_code: bool,
     told: Told,
@@ -158,6 +160,7 @@ def animate(
     """
     with answers() as interrupts:
         from fab.jobs.animation_files import AnimationFormat, Shown, animate, formats_here
+        from fab.jobs.file_names import ANIMATION
         from fab.jobs.grow import grown, growth_findings
         from fab.outputs import plain_title
         from fab.progress import Clock
@@ -201,7 +204,8 @@ def animate(
                 progress=progress,
             )
 
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_animated, told=told)
+        files = FilesOf(name, [ANIMATION])
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_animated, told=told)
 
 
 def _animated(report: Mapping[str, Any]) -> Iterator[str]:

@@ -5,35 +5,60 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from fab.cli.options import Size
-from fab.errors import Finding
+from fab.errors import Finding, InvalidJob
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job
     from fab.pattern.crease_pattern import CreasePattern
 
-__all__ = ["allowed_job", "sheet_of"]
+__all__ = ["STANDARD_INPUT", "allowed_job", "sheet_of"]
+
+# What stands for a job on standard input, in place of its file.
+STANDARD_INPUT = "-"
 
 
 def allowed_job(path: Path, changes: Sequence[str], allow_code: bool) -> Job:
     """A job; the Python file that it may name is run where that is allowed.
 
-    That is with `allow_code`, or where the user says so at a terminal. Raises `InvalidJob`.
+    That is with `allow_code`, or where the user says so at a terminal. The files that a job on
+    standard input names are looked for in the working folder. Raises `InvalidJob`.
     """
-    from fab.jobs.job import load_job
+    from fab.jobs.job import load_job, parse_job
     from fab.jobs.own_designs import CodeNotAllowed
 
+    if str(path) == STANDARD_INPUT:
+        source = "standard input"
+        return parse_job(_piped(source, changes), source, allow_code=allow_code)
     try:
         return load_job(path, changes, allow_code=allow_code)
     except CodeNotAllowed as refusal:
         if not _confirmed(f"{path} runs the code of {refusal.path}. Allow that?"):
             raise
     return load_job(path, changes, allow_code=True)
+
+
+def _piped(source: str, changes: Sequence[str]) -> dict[str, Any]:
+    """The tables of a job on standard input, with changes laid over them."""
+    from fab.settings import LARGEST_BYTES, apply_change, parsed_toml
+
+    cure = "Give a job, as in: quadfold run - < job.toml"
+    stream = sys.stdin
+    if stream is None:
+        raise InvalidJob(f"{source} is closed. {cure}")
+    try:
+        text = stream.buffer.read(LARGEST_BYTES + 1)
+    except OSError as error:
+        raise InvalidJob(f"{source}: cannot be read: {error.strerror}. {cure}") from error
+    document = parsed_toml(text, source, cure)
+    for change in changes:
+        apply_change(document, change)
+    return document
 
 
 def _confirmed(question: str) -> bool:

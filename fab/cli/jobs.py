@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 import tomllib
-from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import click
 
-from fab.cli.console import answers, progress_bar, say, tell
-from fab.cli.delivery import Told, deliver
-from fab.cli.inputs import allowed_job
+from fab.cli.completion import JobPath
+from fab.cli.console import answers, say, tell
+from fab.cli.delivery import FilesOf, Told, deliver
+from fab.cli.inputs import STANDARD_INPUT, allowed_job
 from fab.cli.options import (
     ALLOW_CODE,
     DRY_RUN,
@@ -24,14 +23,16 @@ from fab.cli.options import (
     told_options,
 )
 from fab.cli.panels import say_window
-from fab.errors import InvalidJob, counted, did_you_mean
+from fab.cli.progress_lines import progress_of
+from fab.cli.run_summary import summary
+from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened, shown_path
 
 __all__ = ["new", "run", "templates"]
 
 
 @click.command()
-@click.argument("job", type=click.Path(path_type=Path))
+@click.argument("job", type=JobPath())
 @OUT
 @changes_of("Change a key of the job; may be repeated.")
 @only("Such as dxf,svg (default: the job's).")
@@ -43,26 +44,27 @@ def run(
     job: Path,
     out: Path,
     changes: tuple[str, ...],
-    only: str | None,
+    only: tuple[str, ...],
     dry_run: bool,
     suggest: bool,
     allow_code: bool,
     told: Told,
 ) -> None:
-    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG, HTML and report.json.
+    """Make all files of a job: FOLD, DXF, SVG, STEP, STL, 3MF, PNG, HTML and a report.
 
-    JOB is a TOML file, or the name of a shipped one: see `quadfold templates`.
+    JOB is a TOML file, the name of a shipped one (see `quadfold templates`), or - for a job on
+    standard input.
     """
     with answers() as interrupts:
+        from fab.jobs.file_names import FAMILIES
         from fab.jobs.grow import grown_pattern
         from fab.jobs.job_files import Format, make
-        from fab.outputs import file_names
 
         chosen = formats_of(only, Format)
         loaded = allowed_job(_place(job), changes, allow_code)
         formats = chosen or [Format(name) for name in loaded.outputs]
         if suggest:
-            with progress_bar(interrupts) as progress:
+            with progress_of(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
             say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)), interrupts)
             tell(findings)
@@ -71,9 +73,9 @@ def run(
             interrupts,
             lambda progress: make(loaded, formats, progress),
             out,
+            FilesOf(loaded.name, FAMILIES),
             dry_run=dry_run,
-            summary=_summary,
-            names=file_names(loaded.name, formats),
+            summary=summary,
             told=told,
         )
 
@@ -83,7 +85,7 @@ def _place(job: Path) -> Path:
     from fab.catalogue import shipped
 
     jobs = shipped("jobs")
-    if job.suffix or os.path.exists(job):  # noqa: PTH110 - false for names that no file can have
+    if str(job) == STANDARD_INPUT or job.suffix or os.path.exists(job):  # noqa: PTH110 - false for names that no file can have
         return job
     if str(job) not in jobs:
         hint = did_you_mean(job, jobs)
@@ -92,35 +94,6 @@ def _place(job: Path) -> Path:
             "`quadfold templates`."
         )
     return jobs[str(job)]
-
-
-def _summary(report: Mapping[str, Any]) -> Iterator[str]:
-    yield (
-        f"{counted(report['counts']['faces'], 'face')}; planarity {report['planarity_max']:.1e}, "
-        f"developability {report['developability_max_rad']:.1e} rad, "
-        f"isometry {report['isometry_max_rel']:.1e}"
-    )
-    boxes = {
-        form: " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"][form])
-        for form in ("flat", "folded")
-    }
-    yield f"flat {boxes['flat']} mm; folded {boxes['folded']} mm"
-    if report["growth"]["coverage"] is not None:
-        yield f"{report['growth']['coverage']:.1%} of the surface is under the sheet"
-    if "distance" in report["growth"]:
-        yield _distance(report["growth"]["distance"])
-    for key, goal in (report["goals"] or {}).items():
-        within = f" within {goal['within_mm']:g} mm" if "within_mm" in goal else ""
-        yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached{within}"
-
-
-def _distance(distance: Mapping[str, float]) -> str:
-    mean, rms, lowest, highest = (
-        f"{distance[key]:.3g}" for key in ("mean_mm", "rms_mm", "lowest_mm", "highest_mm")
-    )
-    smoothed = distance["smoothing_length_mm"]
-    copy = f"; a copy of it smoothed over {smoothed:.3g} mm is followed" if smoothed else ""
-    return f"vertices are {lowest} to {highest} mm from the surface, mean {mean}, RMS {rms}{copy}"
 
 
 @click.command()

@@ -10,6 +10,7 @@ from typing import Any, Literal, Protocol, TypeVar
 
 import click
 
+from fab.cli.completion import StockName
 from fab.cli.console import answers
 from fab.cli.delivery import Told
 from fab.errors import InvalidJob
@@ -49,7 +50,7 @@ _NAMED = "A shipped one, or a .toml file of your own."
 
 def only(text: str) -> Option:
     """The option --only, with its help."""
-    return click.option("--only", default=None, metavar="FORMATS", help=text)
+    return click.option("--only", multiple=True, metavar="FORMATS", help=text)
 
 
 def dry_run(text: str) -> Option:
@@ -65,18 +66,21 @@ def changes_of(text: str) -> Option:
 _TOLD = (
     click.option("--json", "as_json", is_flag=True, help="Print the report, one JSON document."),
     click.option("--quiet", is_flag=True, help="Print nothing but errors."),
+    click.option("--verbose", is_flag=True, help="Print every finding, and how long stages took."),
 )
 
 
 def told_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """A command with --json and --quiet, which it takes as one `Told`, `told`."""
+    """A command with --json, --quiet and --verbose, which it takes as one `Told`, `told`."""
 
     @functools.wraps(command)
-    def with_told(*arguments: Any, as_json: bool, quiet: bool, **others: Any) -> Any:
-        if as_json and quiet:
-            raise click.UsageError("--json and --quiet exclude each other.")
-        told = Told.JSON if as_json else Told.ERRORS if quiet else Told.LINES
-        return command(*arguments, told=told, **others)
+    def with_told(*arguments: Any, as_json: bool, quiet: bool, verbose: bool, **others: Any) -> Any:
+        asked = {"--json": as_json, "--quiet": quiet, "--verbose": verbose}
+        given = [option for option, is_given in asked.items() if is_given]
+        if len(given) > 1:
+            raise click.UsageError(f"{' and '.join(given)} exclude each other.")
+        told = {"--json": Told.JSON, "--quiet": Told.ERRORS, "--verbose": Told.ALL}
+        return command(*arguments, told=told[given[0]] if given else Told.LINES, **others)
 
     return _with_all(with_told, _TOLD)
 
@@ -89,8 +93,20 @@ OUT = click.option(
     help="Folder to write into (default: here).",
 )
 _OF_SETTINGS = " Default: that of `quadfold settings`."
-MATERIAL = click.option("--material", default=None, metavar="NAME", help=_NAMED + _OF_SETTINGS)
-MACHINE = click.option("--machine", default=None, metavar="NAME", help=_NAMED + _OF_SETTINGS)
+MATERIAL = click.option(
+    "--material",
+    type=StockName("sheet"),
+    default=None,
+    metavar="NAME",
+    help=_NAMED + _OF_SETTINGS,
+)
+MACHINE = click.option(
+    "--machine",
+    type=StockName("cutter"),
+    default=None,
+    metavar="NAME",
+    help=_NAMED + _OF_SETTINGS,
+)
 ONLY_SHEETS = only("Such as dxf,pdf (default: dxf,svg,pdf).")
 DRY_RUN = dry_run("Make and check everything, write nothing.")
 SUGGEST = click.option(
@@ -255,8 +271,12 @@ def _letters_of(colours: str | None) -> dict[str, str]:
     return parse_colours(colours)
 
 
-def formats_of(names: str | None, kinds: type[Kind]) -> list[Kind] | None:
-    """The kinds of files that --only names; None where it is left out. Raises `InvalidJob`."""
-    if names is None:
+def formats_of(names: Sequence[str], kinds: type[Kind]) -> list[Kind] | None:
+    """The kinds of files that --only names, each once; None where it is left out.
+
+    names : of several options, with commas in each. Raises `InvalidJob`.
+    """
+    if not names:
         return None
-    return formats_among([name.strip().lower() for name in names.split(",")], kinds, "--only")
+    listed = [name.strip().lower() for option in names for name in option.split(",")]
+    return formats_among(list(dict.fromkeys(listed)), kinds, "--only")

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fab.cli.console import Interrupts, answers, progress_bar, say, tell
-from fab.cli.delivery import Told, deliver
+from fab.cli.completion import StockName
+from fab.cli.console import Interrupts, answers, say, tell
+from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
@@ -25,6 +26,7 @@ from fab.cli.options import (
     told_options,
 )
 from fab.cli.preferences import preferred
+from fab.cli.progress_lines import progress_of
 from fab.errors import counted
 
 if TYPE_CHECKING:
@@ -42,10 +44,15 @@ __all__ = ["say_window", "thicken"]
 @OUT
 @changes_of("Such as panels.thickness_mm=1.2 or hinges.web_mm=0.4, as in a job; may be repeated.")
 @click.option(
-    "--printer", default=None, metavar="NAME", help="A shipped one, or a .toml file of your own."
+    "--printer",
+    type=StockName("printer"),
+    default=None,
+    metavar="NAME",
+    help="A shipped one, or a .toml file of your own.",
 )
 @click.option(
     "--material",
+    type=StockName("print"),
     default=None,
     metavar="NAME",
     help="Of the print: a shipped one, or a .toml file.",
@@ -64,7 +71,7 @@ def thicken(
     material: str | None,
     size: Size,
     options: ReadOptions,
-    only: str | None,
+    only: tuple[str, ...],
     dry_run: bool,
     suggest: bool,
     told: Told,
@@ -74,8 +81,9 @@ def thicken(
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
     """
     with answers() as interrupts:
+        from fab.jobs.file_names import THICK
         from fab.jobs.print_files import ORDINARY, ThickFormat, make_thick
-        from fab.outputs import file_names, plain_title
+        from fab.outputs import plain_title
         from fab.printing.thick_settings import thick_settings
 
         formats = formats_of(only, ThickFormat) or ORDINARY
@@ -102,8 +110,8 @@ def thicken(
                 progress=progress,
             )
 
-        names = file_names(f"{plain_title(file.stem)}_thick", formats)
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names, told=told)
+        files = FilesOf(plain_title(file.stem), [THICK])
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
@@ -118,7 +126,7 @@ def say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: Inte
     """The feasible window of scale and thickness of a sheet, line by line."""
     from fab.jobs.suggestion import suggested_window
 
-    with progress_bar(interrupts) as progress:
+    with progress_of(interrupts) as progress:
         window = suggested_window(pattern, settings, progress)
     for line in window.lines():
         say(line)

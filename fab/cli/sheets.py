@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import click
 
 from fab.cli.console import answers, say
-from fab.cli.delivery import Told, deliver, write_made
+from fab.cli.delivery import FilesOf, Told, deliver, write_made
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
@@ -27,7 +27,8 @@ from fab.cli.options import (
     told_options,
 )
 from fab.cli.preferences import required
-from fab.errors import counted
+from fab.errors import InvalidJob, counted
+from fab.files import shortened
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
@@ -64,7 +65,7 @@ def fabricate(
     copies: int | None,
     two_sided: bool,
     changes: tuple[str, ...],
-    only: str | None,
+    only: tuple[str, ...],
     dry_run: bool,
     told: Told,
 ) -> None:
@@ -74,7 +75,8 @@ def fabricate(
     """
     with answers() as interrupts:
         from fab.drawings.drawing_files import USUAL, SheetFormat
-        from fab.jobs.sheet_files import FabricatedFormat, fabricate, sheet_names
+        from fab.jobs.file_names import SHEETS
+        from fab.jobs.sheet_files import FabricatedFormat, fabricate
         from fab.outputs import plain_title
         from fab.sheets.cutter_settings import cutter_tables
 
@@ -97,8 +99,8 @@ def fabricate(
                 progress=progress,
             )
 
-        names = sheet_names(plain_title(file.stem))
-        deliver(interrupts, make, out, dry_run=dry_run, summary=_summary, names=names, told=told)
+        files = FilesOf(plain_title(file.stem), [SHEETS])
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
 
 
 def _given(
@@ -138,7 +140,7 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
 @MACHINE
 @OUT
 @ONLY_SHEETS
-def coupon(material: str | None, machine: str | None, out: Path, only: str | None) -> None:
+def coupon(material: str | None, machine: str | None, out: Path, only: tuple[str, ...]) -> None:
     """Make a test card that finds a machine's kerf and the best dashes for a material."""
     with answers():
         from fab.drawings.drawing_files import USUAL, SheetFormat, drawing_files
@@ -162,8 +164,12 @@ def coupon(material: str | None, machine: str | None, out: Path, only: str | Non
 
 @click.command()
 @click.argument("kind", type=click.Choice(["materials", "machines"]))
-def shipped(kind: str) -> None:
-    """List the materials or machines that are known by name, one line each; yours are marked."""
+@click.argument("word", default="")
+def shipped(kind: str, word: str) -> None:
+    """List the materials or machines that are known by name, one line each; yours are marked.
+
+    With WORD, those that have it in their name, kind or description.
+    """
     with answers():
         from fab.catalogue import described
         from fab.preferences import own_files
@@ -171,7 +177,17 @@ def shipped(kind: str) -> None:
         folder: Literal["materials", "machines"] = (
             "materials" if kind == "materials" else "machines"
         )
-        listed, own = described(folder), own_files(folder)
+        every, own = described(folder), own_files(folder)
+        listed = {
+            name: (what, description)
+            for name, (what, description) in every.items()
+            if word.casefold() in f"{name} {what} {description}".casefold()
+        }
+        if not listed:
+            raise InvalidJob(
+                f"none of the {len(every)} {kind} has {shortened(word)!r} in its name, kind or "
+                f"description. List all: `quadfold shipped {kind}`."
+            )
         width = max(map(len, listed))
         wide = max(len(what) for what, _ in listed.values())
         for name, (what, description) in listed.items():

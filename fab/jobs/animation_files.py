@@ -16,6 +16,7 @@ from fab.folding.quasi_static import Folding
 from fab.folding.rigid_findings import with_motion
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.simulation import fold_and_judge, fold_rigidly_and_judge
+from fab.jobs.file_names import ANIMATION
 from fab.jobs.grow import Grown
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
@@ -125,7 +126,7 @@ def animate(
         progress("write", number, len(movies))
         files |= _files(f"{name}_{kind}", movie, formats)
     progress("write", len(movies), len(movies))
-    return with_report(files, f"{name}_animation.json", report, every)
+    return with_report(files, ANIMATION.report_name(name), report, every)
 
 
 def _require_possible(

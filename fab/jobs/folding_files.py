@@ -17,6 +17,7 @@ from fab.folding.target_forms import form_difference
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
 from fab.formats.fold.writer import fold_bytes
+from fab.jobs.file_names import FOLDING
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
@@ -91,7 +92,9 @@ def simulate(
         motion = rigid_motion(pattern)
         if not len(motion.path):
             report |= {"verdict": None, "rigid": motion.report()}
-            return with_report({}, f"{stem}.json", report, [*findings, no_motion(motion)])
+            return with_report(
+                {}, FOLDING.report_name(name), report, [*findings, no_motion(motion)]
+            )
         fold, verdict, found = fold_rigidly_and_judge(
             pattern, motion, settings, progress, tolerance, fold_flat=fold_flat
         )
@@ -126,7 +129,7 @@ def simulate(
         scene = folding_scene(shown, name, findings=every, upright=upright)
         files |= _scene_files(scene, stem, formats, report, files)
     progress("write", 1, 1)
-    return with_report(files, f"{stem}.json", report, every)
+    return with_report(files, FOLDING.report_name(name), report, every)
 
 
 def _scene_files(

@@ -24,6 +24,7 @@ from fab import __version__
 from fab.errors import Finding, Severity, counted
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.alike_panels import alike_panels
+from fab.jobs.file_names import JOB
 from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
@@ -69,6 +70,8 @@ _SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
 # Ends of files that are of the thick sheet, or of the sheet itself.
 _ALSO_OF_SHEETS = {".png", ".glb"}
 _OF_SCENES = {Format.GLB, Format.HTML}
+# Larger sheets take long to be found rigid or not; `check` says so of any.
+_RIGIDITY_FACES = 2000
 
 
 @dataclass(frozen=True)
@@ -203,7 +206,7 @@ def from_mesh(
     >>> sheet.pattern.counts()
     {'M': 4, 'V': 2, 'F': 4, 'B': 12}
     >>> sorted(sheet.make(["fold"]).files)
-    ['report.json', 'sheet.fold']
+    ['sheet.fold', 'sheet_report.json']
     """
     size = {
         "width_mm": width_mm,
@@ -248,6 +251,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
         _drawings(sheet, wanted, clock),
         _solids(sheet, wanted, clock),
         _simulation(sheet, wanted, clock),
+        _rigidity(sheet, clock),
         _picture(sheet, wanted, clock),
     ]
     report: dict[str, Any] = {
@@ -262,7 +266,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
     if wanted & _OF_SCENES:
         files |= _of_scene(sheet, wanted, parts, files, findings, report, clock)
     report["seconds"] = clock.seconds
-    return with_report(files, "report.json", report, findings)
+    return with_report(files, JOB.report_name(sheet.settings.name), report, findings)
 
 
 def _growth(sheet: Sheet) -> _Part:
@@ -410,6 +414,17 @@ def _simulation(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
 
         scene = folding_scene(folding, sheet.settings.name, upright=sheet.upright)
     return _Part(findings=findings, report={"simulation": verdict.report()}, scene=scene)
+
+
+def _rigidity(sheet: Sheet, clock: Clock) -> _Part:
+    """Whether the sheet folds with flat faces, where that is found in a tenth of a second."""
+    pattern = sheet.pattern
+    if pattern.face_count > _RIGIDITY_FACES:
+        return _Part(report={"rigid": None})
+    from fab.folding.rigid_motion import rigid_motion
+
+    with clock.stage("rigid"):
+        return _Part(report={"rigid": rigid_motion(pattern).report()})
 
 
 def _picture(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:

@@ -19,6 +19,7 @@ from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.folding.folded_states import FoldedState, folded_states, with_free_angles
 from fab.geometry.bodies import TriangleMesh, bodies_of
+from fab.jobs.file_names import THICK
 from fab.layout.piece_gaps import set_apart
 from fab.outputs import Made, box_mm, with_report
 from fab.panels.thick_sheet import ThickSheet, thicken
@@ -402,4 +403,4 @@ def make_thick(
                 panels_state=made.panels_state,
             )
             files[f"{name}_thick.html"] = page_bytes(page)
-    return with_report(files, f"{name}_thick_report.json", report, every)
+    return with_report(files, THICK.report_name(name), report, every)

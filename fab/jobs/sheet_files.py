@@ -7,7 +7,6 @@ pattern -> pieces with tabs and labels -> perforation, relief, kerf -> placed on
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -20,6 +19,7 @@ import shapely
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.drawings.drawing_files import SheetFormat, drawing_files
 from fab.errors import Finding, Severity, counted
+from fab.jobs.file_names import SHEETS
 from fab.layout.nesting import Placements, nest
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
@@ -38,7 +38,7 @@ from fab.sheets.sheet_request import SheetRequest
 from fab.sheets.work_estimate import estimate
 from solver.errors import InvalidState, InvalidValue
 
-__all__ = ["FabricatedFormat", "fabricate", "sheet_names", "sheets"]
+__all__ = ["FabricatedFormat", "fabricate", "sheets"]
 
 # More pieces than this take hours to place, to put in order and to write.
 _MOST_PLACED = 10_000
@@ -73,7 +73,7 @@ def fabricate(
     findings : of the pattern's reader, which go into the report as well.
     progress : called with (stage, steps done, steps in the stage).
 
-    The report is the file `name`_report.json, so that it may be beside the report of the job that
+    The report is the file `name`_sheets_report.json, which may be beside that of the job that
     made the pattern. It lists sheets (file names, pierces, lengths in mm, minutes, share of the bed
     in use; of two-sided ones each side, and how to turn them), pieces, and the seams in the order
     in which they are glued. A seam has its number, length and fold angle, both pieces, which of
@@ -111,7 +111,7 @@ def fabricate(
         drawings = {title: paths for sheet in drawn for title, paths in sheet.paths.items()}
         files[f"{name}_sheets.html"] = _page(pattern, name, request, report, every, files, drawings)
     progress("write", 1, 1)
-    return with_report(files, f"{name}_report.json", report, every)
+    return with_report(files, SHEETS.report_name(name), report, every)
 
 
 def _short_stock(needed: int, request: SheetRequest) -> list[Finding]:
@@ -139,17 +139,6 @@ def _unset_powers(drawn: Sequence[_Drawn], request: SheetRequest) -> list[Findin
         "own"
     )
     return [Finding("power-unset", Severity.NOTE, text)]
-
-
-def sheet_names(name: str) -> re.Pattern[str]:
-    """Names of the files of a pattern's sheets.
-
-    >>> files = ("a_12_back.dxf", "a_1_frame.gcode", "a.dxf")
-    >>> [bool(sheet_names("a").fullmatch(file)) for file in files]
-    [True, True, False]
-    """
-    drawing = rf"_\d+(_front|_back)?(_frame)?\.({'|'.join(SheetFormat)})"
-    return re.compile(rf"{re.escape(name)}({drawing}|_sheets\.html)")
 
 
 def sheets(

@@ -52,11 +52,11 @@ def test_every_template_is_exact_and_without_errors(name):
     assert (coverage is None) == (report["job"]["design"]["kind"] != "surface_fit")
     assert coverage is None or coverage > 0.99
     wanted = load_job(TEMPLATES / f"{name}.toml").outputs
-    names = [*(f"{name}.{f}" for f in wanted), "report.json"]
+    names = [*(f"{name}.{f}" for f in wanted), f"{name}_report.json"]
     if {"step", "png"} <= set(wanted):
         names.append(f"{name}_thick.png")
     assert sorted(made.files) == sorted(names)
-    assert json.loads(made.files["report.json"])["job"]["name"] == name
+    assert json.loads(made.files[f"{name}_report.json"])["job"]["name"] == name
     if "step" in wanted:
         assert report["solids"]["bodies"] == 1
         assert report["solids"]["overlap_max_mm3"] <= 1e-6
@@ -196,7 +196,7 @@ def test_the_same_job_gives_the_same_bytes_in_another_process(tmp_path):
     made = made_template("miura")
     for name, data in made.files.items():
         alike = [data, *((tmp_path / f / name).read_bytes() for f in ("first", "second"))]
-        if name == "report.json":
+        if name == "miura_report.json":
             alike = [{**json.loads(each), "seconds": None} for each in alike]
         assert alike[0] == alike[1] == alike[2], name
 
@@ -331,8 +331,8 @@ def test_writing_replaces_old_files_and_leaves_nothing_beside_them(tmp_path):
     write(made, tmp_path / "out")
     assert sorted(p.name for p in (tmp_path / "out").iterdir()) == [
         "other.txt",
-        "report.json",
         "small.svg",
+        "small_report.json",
     ]
     assert (tmp_path / "out" / "small.svg").read_bytes() == made.files["small.svg"]
 
@@ -371,9 +371,9 @@ def test_an_interrupted_write_leaves_no_file(tmp_path, monkeypatch, error, raise
 
 def test_a_folder_in_the_place_of_a_file_keeps_all_old_files(tmp_path):
     made = make(parse_job(SMALL), [Format.SVG])
-    (tmp_path / "report.json").mkdir()
+    (tmp_path / "small_report.json").mkdir()
     (tmp_path / "small.svg").write_text("old")
-    with pytest.raises(InvalidJob, match=r"report\.json is a folder"):
+    with pytest.raises(InvalidJob, match=r"small_report\.json is a folder"):
         write(made, tmp_path)
     assert (tmp_path / "small.svg").read_text() == "old"
 

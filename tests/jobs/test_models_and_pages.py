@@ -40,9 +40,9 @@ def data_of(page):
 
 
 def test_a_run_makes_a_model_of_its_sheet_and_one_of_its_panels():
-    assert set(ran("glb").files) == {"miura.glb", "report.json"}
+    assert set(ran("glb").files) == {"miura.glb", "miura_report.json"}
     made = ran("glb", "stl")
-    assert set(made.files) == {"miura.stl", "miura.glb", "miura_thick.glb", "report.json"}
+    assert set(made.files) == {"miura.stl", "miura.glb", "miura_thick.glb", "miura_report.json"}
     assert [mesh.name for mesh in read_glb(made.files["miura.glb"]).meshes] == ["miura"]
     names = {node.name for node in read_glb(made.files["miura_thick.glb"]).nodes}
     assert names == {"hinges", *(f"panel_{face}" for face in range(20))}
@@ -78,7 +78,7 @@ def test_pages_list_all_files_with_their_hashes_and_are_in_the_report():
     made = ran("fold", "stl", "png", "html")
     page = made.files["miura.html"].decode()
     for name, data in made.files.items():
-        if name in ("miura.html", "report.json"):
+        if name in ("miura.html", "miura_report.json"):
             continue
         row = rf'<a href="{name}">{name}</a></td><td>{len(data)}</td>'
         assert row + f'<td class="hash">{hashlib.sha256(data).hexdigest()}</td>' in page
@@ -89,7 +89,7 @@ def test_pages_list_all_files_with_their_hashes_and_are_in_the_report():
 def test_the_same_job_gives_the_same_page_and_models():
     again = make(load_job(TEMPLATES / "miura.toml", SMALL), ["glb", "stl", "png", "html"])
     first = ran("glb", "stl", "png", "html")
-    for name in set(first.files) - {"report.json"}:
+    for name in set(first.files) - {"miura_report.json"}:
         assert again.files[name] == first.files[name]
 
 

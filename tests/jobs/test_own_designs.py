@@ -63,7 +63,7 @@ def test_a_copy_of_a_shipped_design_gives_the_same_bytes(copied, columns, rows, 
         job = {"name": "sheet", "design": design, "sheet": {"width_mm": 200.0}}
         made.append(make(parse_job(job, folder=copied, allow_code=True), ["fold", "dxf", "svg"]))
     shipped, own = (dict(each.files) for each in made)
-    reports = [json.loads(files.pop("report.json")) for files in (shipped, own)]
+    reports = [json.loads(files.pop("sheet_report.json")) for files in (shipped, own)]
     assert shipped == own
     kinds = [report["job"]["design"].pop("kind") for report in reports]
     assert kinds == ["miura", "mine.py:Miura"]

@@ -30,10 +30,10 @@ from fab.drawings.drawing_files import USUAL, SheetFormat
 from fab.errors import InvalidJob, Severity
 from fab.formats.fold.writer import fold_bytes
 from fab.geometry.rings import ring_areas
+from fab.jobs.file_names import SHEETS, left_over
 from fab.jobs.job import load_job
 from fab.jobs.job_files import Format, make
-from fab.jobs.sheet_files import fabricate, sheet_names
-from fab.outputs import left_over
+from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.labels import number_text
 from fab.sheets.materials import load_machine, load_material, perforation_for
@@ -381,7 +381,7 @@ def test_the_same_pattern_gives_the_same_bytes():
     first, second = (sheets_of("resch", "plywood_3mm")[1] for _ in range(2))
     assert dict(first.files) == dict(second.files)
     sheets = {"resch_1.dxf", "resch_1.svg", "resch_1.pdf"}
-    assert set(first.files) == {*sheets, "resch_sheets.html", "resch_report.json"}
+    assert set(first.files) == {*sheets, "resch_sheets.html", "resch_sheets_report.json"}
 
 
 def test_both_sides_hold_the_scores_of_the_pieces_and_nothing_twice():
@@ -543,8 +543,8 @@ def test_a_fold_file_becomes_sheets(folder):
     result = run(*words, "--only", "svg,pdf")
     assert result.exit_code == 0, result.output
     names = sorted(path.name for path in (folder / "out").iterdir())
-    assert names == ["yoshimura_1.pdf", "yoshimura_1.svg", "yoshimura_report.json"]
-    report = json.loads((folder / "out" / "yoshimura_report.json").read_text())
+    assert names == ["yoshimura_1.pdf", "yoshimura_1.svg", "yoshimura_sheets_report.json"]
+    report = json.loads((folder / "out" / "yoshimura_sheets_report.json").read_text())
     assert report["sheets"][0]["minutes"] > 0
     assert all(f["severity"] != Severity.ERROR for f in report["findings"])
     assert "1 piece, 0 seams, 1 sheet of 300 x 200 mm" in result.output
@@ -556,10 +556,13 @@ def test_both_sides_are_written_in_every_format(folder):
     assert result.exit_code == 0, result.output
     kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in USUAL]
     written = sorted(path.name for path in (folder / "out").iterdir())
-    assert written == sorted([*kinds, "square_twist_report.json", "square_twist_sheets.html"])
+    assert written == sorted(
+        [*kinds, "square_twist_sheets.html", "square_twist_sheets_report.json"]
+    )
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
     again = run(*words[:-1], "--out", "out", "--only", "dxf")
-    assert "note: out/square_twist_1_back.dxf and 6 more of this name are from" in again.output
+    first = "square_twist_1_back.dxf, square_twist_1_back.pdf, square_twist_1_back.svg"
+    assert f"note: {first} and 4 more in out are from an earlier run" in again.output
     assert (folder / "out" / "square_twist_1_back.dxf").exists()
 
 
@@ -573,10 +576,12 @@ def test_sheets_of_an_earlier_run_are_named(folder):
     sheets = [path.name for path in folder.glob("yoshimura_?.svg")]
     assert len(sheets) > 1
     result = run(*words)
-    assert f"note: yoshimura_2.svg{' and' if len(sheets) > 2 else ' is from'}" in result.output
-    left = left_over(["yoshimura_1.svg"], sheet_names("yoshimura"), folder)
-    assert [path.name for path in left] == sorted(set(sheets) - {"yoshimura_1.svg"})
-    assert left_over([], sheet_names("yoshimura"), folder / "missing") == []
+    assert "note: yoshimura_2.svg" in result.output
+    left = left_over(["yoshimura_1.svg"], "yoshimura", [SHEETS], folder)
+    assert [path.name for path in left] == sorted(
+        {*sheets, "yoshimura_sheets_report.json"} - {"yoshimura_1.svg"}
+    )
+    assert left_over([], "yoshimura", [SHEETS], folder / "missing") == []
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file names of POSIX")
@@ -588,7 +593,7 @@ def test_file_names_of_any_bytes_become_names_that_can_be_read(folder):
     names = sorted(path.name for path in (folder / "out").iterdir())
     plain = 'a_[31m_<b>&"_'
     drawings = [f"{plain}_1.{kind}" for kind in USUAL]
-    assert names == sorted([f"{plain}_report.json", f"{plain}_sheets.html", *drawings])
+    assert names == sorted([f"{plain}_sheets_report.json", f"{plain}_sheets.html", *drawings])
     plain += "_1"
     root = ElementTree.fromstring((folder / "out" / f"{plain}.svg").read_bytes())
     assert root[0].text == plain
@@ -613,7 +618,7 @@ def test_a_name_too_long_for_its_sheets_is_refused_with_its_cure(folder):
 
 def test_sheets_are_beside_the_files_of_their_job(folder):
     Path("out").mkdir()
-    Path("out/report.json").write_text("of the job")
+    Path("out/bird_base_report.json").write_text("of the job")
     Path("out/bird_base.fold").write_bytes((PATTERNS / "bird_base.fold").read_bytes())
     before = {path.name: path.read_bytes() for path in Path("out").iterdir()}
     words = ("fabricate", "out/bird_base.fold", *CARD, "--width-mm", 120, "--out", "out")

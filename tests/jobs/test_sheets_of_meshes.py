@@ -33,12 +33,12 @@ def test_a_grown_mesh_and_its_rows_give_what_the_job_gives(tmp_path):
         made = sheet.write(tmp_path / "out", formats)
         assert made.files == {p.name: p.read_bytes() for p in (tmp_path / "out").iterdir()}
         assert set(made.files) == set(by_job.files)
-        for name in set(made.files) - {"report.json"}:
+        for name in set(made.files) - {"sheet_report.json"}:
             assert made.files[name] == by_job.files[name], name
         own, theirs = made.report, by_job.report
         assert own["growth"] is None
         assert own["job"] == {k: v for k, v in theirs["job"].items() if k != "design"}
-        reports = (each.files["report.json"] for each in (made, by_job))
+        reports = (each.files["sheet_report.json"] for each in (made, by_job))
         assert len({json.dumps(without(r, "job", "growth")) for r in reports}) == 1
 
 

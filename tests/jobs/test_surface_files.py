@@ -45,7 +45,7 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
     )
     result = CliRunner().invoke(main, ["run", "dome.toml", "--out", "out", "--only", "fold,dxf"])
     assert result.exit_code == 0, result.output
-    report = json.loads((tmp_path / "out" / "report.json").read_text())
+    report = json.loads((tmp_path / "out" / "dome_report.json").read_text())
     growth = report["growth"]
     assert growth["status"] == "grown"
     assert growth["coverage"] > 0.99
@@ -104,7 +104,7 @@ def test_distances_are_from_the_noisy_original_and_not_from_its_smoothed_copy(tm
     )
     arguments = ["run", str(tmp_path / "noisy.toml"), "--out", str(tmp_path), "--only", "fold"]
     result = CliRunner().invoke(main, arguments)
-    growth = json.loads((tmp_path / "report.json").read_text())["growth"]
+    growth = json.loads((tmp_path / "n_report.json").read_text())["growth"]
     length = 2 * growth["chosen"]["smoothing_length"]
     assert growth["distance"]["smoothing_length_mm"] == pytest.approx(length)
     assert f"a copy of it smoothed over {length:.3g} mm is followed" in result.output

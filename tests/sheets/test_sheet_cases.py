@@ -37,7 +37,7 @@ def fabricated(path, out, *words, machine="co2_60w_600x400"):
                 shape = (shapely.LinearRing if entity.closed else shapely.LineString)(points)
             lines.setdefault(entity.dxf.layer, []).append(shapely.force_2d(shape))
         sheets.append(lines)
-    report = json.loads((out / f"{path.stem}_report.json").read_text())
+    report = json.loads((out / f"{path.stem}_sheets_report.json").read_text())
     return sheets, report, result.output
 
 

@@ -293,7 +293,7 @@ def test_what_is_grown_is_what_run_makes_of_the_saved_job(tmp_path):
     ran = {each.name: each.read_bytes() for each in (tmp_path / "out").iterdir()}
     made = make(load_job(path)).files
     assert set(ran) == set(made)
-    for name in set(made) - {"report.json"}:
+    for name in set(made) - {"strip_by_strip_report.json"}:
         assert made[name] == ran[name]
     frame = json.loads(ran["strip_by_strip.fold"])["file_frames"][0]
     shown = arrays_of(data)["folded"].reshape(-1, 3)

@@ -80,7 +80,7 @@ def test_all_files_are_made_looked_at_and_kept(page, folder):
     wait_until(page, lambda: "outputs" in page.locator("#text").input_value())
     wait_until(page, lambda: verdict(page) == "grown: 48 faces.")
     make(page)
-    names = {"miura.fold", "miura.svg", "miura.html", "report.json"}
+    names = {"miura.fold", "miura.svg", "miura.html", "miura_report.json"}
     assert {link.text_content() for link in page.locator("#made-files a").all()} == names
     frame = page.frame_locator("#result iframe")
     frame.locator("canvas").wait_for(timeout=30_000)
