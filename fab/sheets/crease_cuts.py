@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fab.drawings.beam import Beam
 from fab.sheets.crease_styles import (
     CreaseStyle,
     DashDotStyle,
@@ -60,7 +61,7 @@ def cuts_along(
     ends: FloatArray,
     style: CreaseStyle,
     trim_mm: float | FloatArray,
-    kerf_mm: float = 0.0,
+    kerf_mm: float | Beam = 0.0,
     made: int = 0,
 ) -> Cuts:
     """Cuts along lines, symmetrical in each line's room, with a whole number of periods in it.
@@ -70,9 +71,9 @@ def cuts_along(
     ends : shape (n, 2, 2): line, end, coordinate, mm.
     trim_mm : what stays uncut at the ends of the lines; one length, or shape (n, 2). The room is
         the rest of the line.
-    kerf_mm : width of the beam. It lengthens each cut by half of it at both ends, so cuts are drawn
-        shorter by the kerf, and gaps and margins come out as asked for. Cuts not longer than the
-        kerf are drawn as pierces of 0.01 mm.
+    kerf_mm : width of the beam, or the beam. It lengthens each cut by half of it at both ends, so
+        cuts are drawn shorter by the kerf along them, and gaps and margins come out as asked for.
+        Cuts not longer than the kerf are drawn as pierces of 0.01 mm.
     made : number of cuts that the same sheet has already.
 
     All lengths of a pattern are scaled alike to fit; its first cut begins and its last one ends at
@@ -86,19 +87,21 @@ def cuts_along(
     >>> cuts_along(line, DashStyle(cut_mm=3.0, gap_mm=1.0), 0.0).segments[..., 0].tolist()
     [[0.0, 3.0], [4.0, 7.0], [8.0, 11.0]]
     """
-    require_kerf(kerf_mm)
+    beam = Beam.of(kerf_mm)
+    require_kerf(beam)
     span = ends[:, 1] - ends[:, 0]
     length = np.hypot(span[:, 0], span[:, 1])
     trim = np.broadcast_to(np.asarray(trim_mm, np.float64), (len(ends), 2))
     room = length - trim.sum(axis=1)
-    rows = _rows(room, style, kerf_mm, made)
+    clears = beam.along(span)
+    rows = _rows(room, style, float(beam.across(span).max(initial=0.0)), made)
     with np.errstate(divide="ignore", invalid="ignore"):
         direction = span / length[:, None]
     across = direction[:, ::-1] * [-1, 1]
     parts, pierced = [], []
     for row in rows:
         begin = row.begin + trim[row.owner, 0]
-        along, short = _drawn(begin, begin + row.length, row.owner, kerf_mm)
+        along, short = _drawn(begin, begin + row.length, row.owner, clears[row.owner])
         origin = ends[row.owner, 0]
         if isinstance(style, LatticeStyle):
             origin = origin + row.height_mm[row.owner, None] * across[row.owner]
@@ -137,13 +140,17 @@ def require_dashes(count: int) -> None:
         )
 
 
-def require_kerf(kerf_mm: float) -> None:
-    """Raise `InvalidValue` unless `kerf_mm` is from 0 to 10."""
-    require_finite("kerf_mm", kerf_mm)
-    if not 0 <= kerf_mm <= _WIDEST_KERF_MM:
+def require_kerf(kerf_mm: float | Beam) -> None:
+    """Raise `InvalidValue` unless both widths of the kerf are from 0 to 10, and both or none 0."""
+    beam = Beam.of(kerf_mm)
+    widths = (beam.x_mm, beam.y_mm)
+    for width in widths:
+        require_finite("kerf_mm", width)
+    inside = all(0 <= width <= _WIDEST_KERF_MM for width in widths)
+    if not inside or (beam.x_mm == 0) != (beam.y_mm == 0):
         raise InvalidValue(
             "kerf_mm",
-            kerf_mm,
+            beam.x_mm if beam.is_round else widths,
             f"be from 0 to {_WIDEST_KERF_MM:g}",
             "Give the width of the material that the beam takes away, 0 for a knife.",
         )
@@ -237,21 +244,26 @@ def _rhythm(style: CreaseStyle) -> tuple[float, FloatArray]:
 
 
 def _drawn(
-    begin: FloatArray, end: FloatArray, owner: IntArray, kerf_mm: float
+    begin: FloatArray, end: FloatArray, owner: IntArray, kerf_mm: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """What to draw for the wanted cuts of a row, shape (m, 2), and which become pierces (m,)."""
-    if kerf_mm == 0:
+    """What to draw for the wanted cuts of a row, shape (m, 2), and which become pierces (m,).
+
+    kerf_mm : along each cut, shape (m,).
+    """
+    if not kerf_mm.any():
         return np.stack([begin, end], axis=1), np.zeros(len(begin), bool)
     pierced = end - begin - kerf_mm < SHORTEST_CUT_MM
     half = np.where(pierced, SHORTEST_CUT_MM, end - begin - kerf_mm) / 2
     middle = (begin + end) / 2
     along = np.stack([middle - half, middle + half], axis=1)
-    bridge = (along[1:, 0] - along[:-1, 1])[owner[1:] == owner[:-1]].min(initial=np.inf)
-    if bridge <= kerf_mm:
+    between = (along[1:, 0] - along[:-1, 1])[owner[1:] == owner[:-1]]
+    joined = kerf_mm[1:][owner[1:] == owner[:-1]]
+    worst = int(np.argmin(between - joined)) if len(between) else 0
+    if len(between) and between[worst] <= joined[worst]:
         raise InvalidValue(
             "kerf_mm",
-            kerf_mm,
-            f"be less than {bridge:.6g}, the length drawn between two cuts",
+            round(float(joined[worst]), 6),
+            f"be less than {between[worst]:.6g}, the length drawn between two cuts",
             "Cuts would join: raise gap_mm or pitch_mm, or take the style score.",
         )
     return along, pierced

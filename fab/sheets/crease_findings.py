@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fab.drawings.beam import Beam
 from fab.errors import Finding, Severity, counted, first_few
 from fab.sheets.feature_size import enlargement
 from solver.vectors import BoolArray, FloatArray, IntArray
@@ -45,7 +46,7 @@ class CutCreases:
 
 
 def crease_findings(
-    creases: Sequence[CutCreases], margin_mm: float, kerf_mm: float
+    creases: Sequence[CutCreases], margin_mm: float, kerf_mm: float | Beam
 ) -> list[Finding]:
     """Findings of the creases that are not cut as asked for, each kind once for all patterns.
 
@@ -61,7 +62,7 @@ def crease_findings(
         *_meeting(every),
         *_too_short(every, margin_mm),
         *_rigid(every),
-        *_pierced(every, kerf_mm),
+        *_pierced(every, Beam.of(kerf_mm)),
     ]
 
 
@@ -132,7 +133,7 @@ def _rigid(creases: CutCreases) -> list[Finding]:
     ]
 
 
-def _pierced(creases: CutCreases, kerf_mm: float) -> list[Finding]:
+def _pierced(creases: CutCreases, beam: Beam) -> list[Finding]:
     """Cuts that come out as long as the kerf is wide."""
     pierced = np.flatnonzero(creases.pierced)
     if not len(pierced):
@@ -140,10 +141,10 @@ def _pierced(creases: CutCreases, kerf_mm: float) -> list[Finding]:
     count = int(creases.pierced.sum())
     cuts = f"{counted(count, 'cut')} on {counted(len(pierced), 'crease')}"
     are = (
-        "is not longer than the kerf ({0:g} mm) and is drawn as a pierce, which comes out"
+        "is not longer than the kerf ({0}) and is drawn as a pierce, which comes out"
         if count == 1
-        else "are not longer than the kerf ({0:g} mm) and are drawn as pierces, which come out"
-    ).format(kerf_mm)
+        else "are not longer than the kerf ({0}) and are drawn as pierces, which come out"
+    ).format(beam.text)
     return [
         Finding(
             "cut-shorter-than-kerf",

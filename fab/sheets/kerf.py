@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from fab.drawings.beam import Beam
 from fab.errors import Finding, Severity, counted
 from fab.geometry.rings import ring_areas
 from fab.sheets.crease_cuts import SHORTEST_CUT_MM, require_kerf
@@ -42,13 +43,16 @@ class Compensated:
     findings: tuple[Finding, ...]
 
 
-def compensated(outlines: Sequence[FloatArray], kerf_mm: float) -> Compensated:
+def compensated(outlines: Sequence[FloatArray], kerf_mm: float | Beam) -> Compensated:
     """Outlines moved by half the kerf into what is thrown away, with mitred corners.
 
     Parameters
     ----------
     outlines : closed polylines, each of shape (m, 2), material on their left: counterclockwise
         rings are outer ones and grow, clockwise rings are holes and shrink.
+    kerf_mm : width of the beam, or the beam as it is in the drawing. One that is wider along an
+        axis is made round by a scale, and the moved outlines scaled back, so that they are moved by
+        exactly its half: by their Minkowski sum with its ellipse but for mitres.
 
     Findings name what a beam cannot cut as drawn: a ring that crosses itself is returned as it is;
     a hole, a notch or a waist narrower than the kerf, and the rest of a wedge, are cut once, along
@@ -63,9 +67,62 @@ def compensated(outlines: Sequence[FloatArray], kerf_mm: float) -> Compensated:
     >>> np.ptp(moved.rings[0], axis=0).round(6).tolist(), moved.findings
     ([9.2, 9.2], ())
     """
-    require_kerf(kerf_mm)
-    if kerf_mm == 0 or not outlines:
+    beam = Beam.of(kerf_mm)
+    require_kerf(beam)
+    if beam.widest_mm == 0 or not outlines:
         return Compensated(tuple(outlines), np.empty((0, 2, 2)), ())
+    if beam.is_round:
+        moved = _moved(outlines, beam.x_mm)
+    else:
+        there = beam.to_round()
+        moved = _moved([outline @ there.T for outline in outlines], beam.x_mm)
+        moved = moved.back(np.linalg.inv(there).astype(np.float64))
+    findings = (
+        *_crossing_findings(outlines, np.flatnonzero(~moved.plain)),
+        *_vanished_findings(outlines, moved.gaps, moved.vanished, beam.text),
+        *_closed_findings(outlines, moved.gaps, ~moved.vanished, beam.text),
+        *_meeting_findings(moved.lines, beam.text),
+    )
+    rings = [
+        ring if moved.plain[of] else outlines[of]
+        for ring, of in zip(moved.rings, moved.number.tolist(), strict=True)
+    ]
+    return Compensated(tuple(rings), moved.gaps.segments, findings)
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """Outlines moved by half the kerf.
+
+    Attributes
+    ----------
+    rings, number : closed polylines, and the outline that each is of; lines : the same as shapes.
+    gaps : what is cut along centre lines.
+    plain, vanished : which outlines do not cross themselves, and of which nothing is left, (n,).
+    """
+
+    rings: tuple[FloatArray, ...]
+    number: IntArray
+    lines: Shapes
+    gaps: Gaps
+    plain: BoolArray
+    vanished: BoolArray
+
+    def back(self, matrix: FloatArray) -> _Moved:
+        """The same with all points p moved to matrix @ p; pierces keep their length."""
+        gaps, pierced = self.gaps.segments @ matrix.T, ~_are_lines(self.gaps)
+        middle = gaps[pierced].mean(axis=1)
+        gaps[pierced] = middle[:, None] + np.array([[-0.5, 0.0], [0.5, 0.0]]) * SHORTEST_CUT_MM
+        return replace(
+            self,
+            rings=tuple(ring @ matrix.T for ring in self.rings),
+            lines=shapely.transform(self.lines, lambda points: points @ matrix.T),
+            gaps=replace(self.gaps, segments=gaps),
+        )
+
+
+def _moved(outlines: Sequence[FloatArray], kerf_mm: float) -> _Moved:
+    """Outlines moved by half of the width of a round beam."""
     shapes = _polygons(outlines)
     plain = shapely.is_valid(shapes)
     outer = ring_areas(np.concatenate(outlines), _offsets(outlines)) > 0
@@ -76,19 +133,13 @@ def compensated(outlines: Sequence[FloatArray], kerf_mm: float) -> Compensated:
     lines, number, turned = _rings_of(moved, outer)
     corners, of_line = shapely.get_coordinates(lines, return_index=True)
     rings = np.split(corners, np.flatnonzero(np.diff(of_line)) + 1) if len(lines) else []
-    kept = []
-    for ring, of, back in zip(rings, number.tolist(), turned.tolist(), strict=True):
-        whole = ring[:-1][::-1] if back else ring[:-1]
-        kept.append(whole if plain[of] else outlines[of])
+    kept = [
+        ring[:-1][::-1] if back else ring[:-1]
+        for ring, back in zip(rings, turned.tolist(), strict=True)
+    ]
     vanished = plain & shapely.is_empty(moved)
     gaps = narrow_gaps(shapes, moved, outer, kerf_mm, plain)
-    findings = (
-        *_crossing_findings(outlines, np.flatnonzero(~plain)),
-        *_vanished_findings(outlines, gaps, vanished, kerf_mm),
-        *_closed_findings(outlines, gaps, ~vanished, kerf_mm),
-        *_meeting_findings(lines, kerf_mm),
-    )
-    return Compensated(tuple(kept), gaps.segments, findings)
+    return _Moved(tuple(kept), number, lines, gaps, plain, vanished)
 
 
 def _offsets(outlines: Sequence[FloatArray]) -> IntArray:
@@ -156,7 +207,7 @@ def _crossing_findings(outlines: Sequence[FloatArray], numbers: IntArray) -> lis
 
 
 def _vanished_findings(
-    outlines: Sequence[FloatArray], gaps: Gaps, vanished: BoolArray, kerf_mm: float
+    outlines: Sequence[FloatArray], gaps: Gaps, vanished: BoolArray, kerf: str
 ) -> list[Finding]:
     """Holes that are cut along their centre lines, or pierced."""
     numbers = np.flatnonzero(vanished)
@@ -164,14 +215,14 @@ def _vanished_findings(
         return []
     are, them = ("is a hole", "it") if len(numbers) == 1 else ("are holes", "them")
     text = (
-        f"{_named(outlines, numbers)} {are} nowhere wider than the kerf ({kerf_mm:g} mm) and "
+        f"{_named(outlines, numbers)} {are} nowhere wider than the kerf ({kerf}) and "
         f"{are.split()[0]} cut as {_cut_as(gaps, vanished)}. Enlarge {them}, or take a finer beam."
     )
     return [Finding("hole-narrower-than-kerf", Severity.WARNING, text)]
 
 
 def _closed_findings(
-    outlines: Sequence[FloatArray], gaps: Gaps, there: BoolArray, kerf_mm: float
+    outlines: Sequence[FloatArray], gaps: Gaps, there: BoolArray, kerf: str
 ) -> list[Finding]:
     """Outlines with a notch or a waist that is cut along its centre line."""
     of = gaps.owner[there[gaps.owner]]
@@ -181,7 +232,7 @@ def _closed_findings(
     have = "has" if len(numbers) == 1 else "have"
     text = (
         f"{_named(outlines, numbers)} {have} a notch or a waist narrower than the kerf "
-        f"({kerf_mm:g} mm), cut as {_cut_as(gaps, there)}. Enlarge the sheet, or take a finer beam."
+        f"({kerf}), cut as {_cut_as(gaps, there)}. Enlarge the sheet, or take a finer beam."
     )
     return [Finding("gap-narrower-than-kerf", Severity.WARNING, text)]
 
@@ -191,7 +242,7 @@ def _cut_as(gaps: Gaps, outlines: BoolArray) -> str:
     own = outlines[gaps.owner]
     sides = gaps.segments[own]
     length = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
-    line = length > SHORTEST_CUT_MM * (1 + 1e-9)
+    line = _are_lines(gaps)[own]
     pierces = int((~line).sum())
     lines = len(np.unique(gaps.line[own][line]))
     parts = []
@@ -202,6 +253,13 @@ def _cut_as(gaps: Gaps, outlines: BoolArray) -> str:
     return " and ".join(parts)
 
 
+def _are_lines(gaps: Gaps) -> BoolArray:
+    """Which segments of gaps are no pierces, shape (n,)."""
+    length = np.hypot(*(gaps.segments[:, 1] - gaps.segments[:, 0]).T)
+    out: BoolArray = length > SHORTEST_CUT_MM * (1 + 1e-9)
+    return out
+
+
 def _named(outlines: Sequence[FloatArray], numbers: IntArray) -> str:
     """How many outlines are concerned, and where the first of them is."""
     x, y = outlines[numbers[0]].mean(axis=0).tolist()
@@ -209,7 +267,7 @@ def _named(outlines: Sequence[FloatArray], numbers: IntArray) -> str:
     return f"{len(numbers)} of {count} ({first}around x = {x:.3f}, y = {y:.3f} mm)"
 
 
-def _meeting_findings(lines: Shapes, kerf_mm: float) -> list[Finding]:
+def _meeting_findings(lines: Shapes, kerf: str) -> list[Finding]:
     """Moved rings that cross each other."""
     if not len(lines):
         return []
@@ -225,7 +283,7 @@ def _meeting_findings(lines: Shapes, kerf_mm: float) -> list[Finding]:
         Finding(
             "outlines-nearer-than-kerf",
             Severity.WARNING,
-            f"{pairs} nearer to each other than the kerf ({kerf_mm:g} mm), {where}at "
+            f"{pairs} nearer to each other than the kerf ({kerf}), {where}at "
             f"x = {x:.3f}, y = {y:.3f} mm: the beam that cuts one takes material from the other. "
             "Set them apart.",
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fab.drawings.beam import Beam
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, chained, joined
 from fab.errors import Finding
 from fab.geometry.rings import is_hole
@@ -47,7 +48,7 @@ class CutPiece:
 def perforate(
     pattern: CreasePattern,
     settings: PerforationSettings,
-    kerf_mm: float = 0.0,
+    kerf_mm: float | Beam = 0.0,
     marks: Sequence[Layer] = (),
 ) -> tuple[CutPaths, list[Finding]]:
     """`cut_layers` and further `marks`, moved so that their lower left corner is (0, 0)."""
@@ -62,7 +63,7 @@ def perforate(
 
 
 def cut_layers(
-    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
+    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float | Beam = 0.0
 ) -> tuple[tuple[Layer, ...], list[Finding]]:
     """The layers of `cut_piece` for a pattern that is cut alone, and all findings of it."""
     cut = cut_piece(pattern, settings, kerf_mm)
@@ -73,12 +74,13 @@ def cut_layers(
 
 
 def cut_piece(
-    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float = 0.0
+    pattern: CreasePattern, settings: PerforationSettings, kerf_mm: float | Beam = 0.0
 ) -> CutPiece:
     """Perforated creases, relief and other holes, inner cuts and outlines, where the pattern is.
 
-    kerf_mm : width of the beam. Cuts on creases are drawn shorter by it, and outlines and relief
-        holes are moved by half of it (`fab.sheets.kerf`); inner cuts stay.
+    kerf_mm : width of the beam, or the beam as it is in the pattern. Cuts on creases are drawn
+        shorter by it, and outlines and relief holes are moved by half of it (`fab.sheets.kerf`);
+        inner cuts stay.
 
     The layers of mountains, valleys and cuts are always present, the others where anything is on
     them. Cuts of flat and of unassigned creases are on the layer of valleys; marks of every
@@ -101,9 +103,10 @@ def cut_piece(
         holes, findings = relief_holes(
             pattern, lines.drawn, lines.walls, lines.marks, settings.relief
         )
-    creases, layers = _cut_creases(pattern, lines, holes, settings.margin_mm, kerf_mm)
+    beam = Beam.of(kerf_mm)
+    creases, layers = _cut_creases(pattern, lines, holes, settings.margin_mm, beam)
     borders = outlines_of(pattern)
-    moved, relief = compensated(borders.rings, kerf_mm), compensated(holes.rings, kerf_mm)
+    moved, relief = compensated(borders.rings, beam), compensated(holes.rings, beam)
     if holes.rings:
         layers.append(_through(Operation.RELIEF, relief.gaps, relief.rings))
     inner = tuple(ring for ring in moved.rings if is_hole(ring))
@@ -151,13 +154,14 @@ class _Lines:
         out: BoolArray = np.array([isinstance(style, kind) for style in self.styles])[self.style]
         return out
 
-    def band_widths_mm(self, kerf_mm: float) -> FloatArray:
-        """Width of each edge's lattice as it is cut, 0 for other styles, shape (ne,)."""
-        widths = [
-            style.width_mm + kerf_mm if isinstance(style, LatticeStyle) else 0.0
-            for style in self.styles
-        ]
-        return np.array(widths)[self.style]
+    def band_widths_mm(self, across_mm: FloatArray) -> FloatArray:
+        """Width of each edge's lattice as it is cut, 0 for other styles, shape (ne,).
+
+        across_mm : of a cut along each edge, shape (ne,).
+        """
+        lattice = self._of_kind(LatticeStyle)
+        widths = [s.width_mm if isinstance(s, LatticeStyle) else 0.0 for s in self.styles]
+        return np.where(lattice, np.array(widths)[self.style] + across_mm, 0.0)
 
     def rooms_mm(self) -> FloatArray:
         """Length that each edge's room must exceed for its style to be cut, shape (ne,)."""
@@ -208,10 +212,11 @@ def _chosen_styles(
 
 
 def _cut_creases(
-    pattern: CreasePattern, lines: _Lines, holes: ReliefHoles, margin_mm: float, kerf_mm: float
+    pattern: CreasePattern, lines: _Lines, holes: ReliefHoles, margin_mm: float, beam: Beam
 ) -> tuple[CutCreases, list[Layer]]:
     """What becomes of the creases, and the layers of their cuts, mountains and valleys first."""
-    width = lines.band_widths_mm(kerf_mm)
+    spans = np.diff(pattern.vertices_coords[pattern.edges_vertices], axis=1)[:, 0]
+    width = lines.band_widths_mm(beam.across(spans))
     trim = holes.radii_mm[pattern.edges_vertices]
     trim = np.maximum(trim, lattice_starts(pattern, lines.drawn, lines.walls, width / 2))
     trim += margin_mm
@@ -229,7 +234,7 @@ def _cut_creases(
             if not len(edges):
                 continue
             ends = pattern.vertices_coords[pattern.edges_vertices[edges]]
-            cuts = cuts_along(ends, style, trim[edges], kerf_mm, int(count.sum()))
+            cuts = cuts_along(ends, style, trim[edges], beam, int(count.sum()))
             count += np.bincount(edges[cuts.owner], minlength=len(trim))
             pierced += np.bincount(edges[cuts.owner[cuts.pierced]], minlength=len(trim))
             layers.append(Layer(operation, cuts.segments))

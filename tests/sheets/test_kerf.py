@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, example, given
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from fab.drawings.beam import Beam
 from fab.errors import Severity
+from fab.sheets.crease_cuts import cuts_along
+from fab.sheets.crease_styles import DashStyle
 from fab.sheets.kerf import compensated as moved_by
 from solver import InvalidValue
 
@@ -228,3 +231,73 @@ def test_an_outline_that_crosses_itself_stays_and_is_an_error():
 def test_bad_kerfs_are_refused(kerf):
     with pytest.raises(InvalidValue, match=r"kerf_mm"):
         compensated([square(1.0)], kerf)
+
+
+def turned(points, angle):
+    c, s = np.cos(angle), np.sin(angle)
+    return points @ np.array([[c, s], [-s, c]])
+
+
+@given(stars(), st.floats(0.05, 0.5), st.floats(0.05, 0.5), st.floats(0, 7))
+@settings(max_examples=25)
+def test_a_beam_wider_along_an_axis_leaves_what_was_asked_for(star, x, y, angle):
+    """The ellipse swept along the moved ring touches the outline, and takes nothing of it."""
+    beam = Beam(x, y).turned(angle)
+    moved = moved_by([star], beam)
+    assume(len(moved.rings) == 1 and not moved.findings)
+    (ring,) = moved.rings
+    turn = np.arange(180) * np.pi / 90
+    ellipse = turned(np.column_stack([x / 2 * np.cos(turn), y / 2 * np.sin(turn)]), angle)
+    sides = np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)
+    swept = shapely.union_all(
+        [
+            shapely.MultiPoint(np.concatenate([a + ellipse, b + ellipse])).convex_hull
+            for a, b in sides
+        ]
+    )
+    left = shapely.Polygon(ring).difference(swept)
+    wanted = shapely.Polygon(star)
+    chords = 1e-4 * max(x, y) * wanted.length  # of the ellipse, over its arcs
+    assert wanted.difference(left).area < chords  # nothing of it is taken
+    # what is left beside it is in concave corners, where the beam is round
+    concave = star[turns(star) < 0]
+    corners = shapely.MultiPoint(concave).buffer(6 * max(x, y)) if len(concave) else shapely.Point()
+    assert left.difference(wanted).difference(corners).area < chords
+
+
+def test_kerfs_of_a_square_are_those_of_the_axes_however_it_is_turned():
+    for quarter, size in ((0.0, [9.1, 9.3]), (np.pi / 2, [9.3, 9.1])):
+        moved = moved_by([square(9.0)], Beam(0.1, 0.3).turned(quarter))
+        assert np.ptp(moved.rings[0], axis=0) == pytest.approx(size)
+        hole = moved_by([square(9.0)[::-1]], Beam(0.1, 0.3).turned(quarter))
+        assert np.ptp(hole.rings[0], axis=0) == pytest.approx(18 - np.array(size))
+
+
+def test_gaps_narrower_than_one_of_the_kerfs_are_cut_once_where_they_are():
+    notch = [[0, 0], [90, 0], [90, 60], [45.1, 60], [45.1, 20], [44.9, 20], [44.9, 60], [0, 60]]
+    flat = np.array(notch, float)
+    moved = moved_by([flat], Beam(0.3, 0.1))
+    assert len(moved.gaps)
+    assert [f.code for f in moved.findings] == ["gap-narrower-than-kerf"]
+    assert moved.gaps[..., 0] == pytest.approx(45.0, abs=1e-6)
+    length = np.hypot(*(moved.gaps[:, 1] - moved.gaps[:, 0]).T).sum()
+    assert length == pytest.approx(40.0, abs=0.2)
+    assert "0.3 x 0.1 mm" in moved.findings[0].text
+    assert len(moved_by([flat], Beam(0.1, 0.3)).gaps) == 0  # wide enough along x
+    hole = square(0.2)[::-1] + 4.0
+    pierced = moved_by([hole], Beam(0.3, 0.6))
+    assert pierced.gaps.mean(axis=1) == pytest.approx(np.array([[4.1, 4.1]]), abs=0.051)
+    assert np.hypot(*(pierced.gaps[0, 1] - pierced.gaps[0, 0])) == pytest.approx(0.01)
+
+
+def test_dashes_are_shorter_by_the_kerf_along_them():
+    ends = np.array([[[0.0, 0.0], [23, 0]], [[0, 0.0], [0, 23]], [[0, 0], [17.0, 17.0]]])
+    style = DashStyle(cut_mm=3.0, gap_mm=1.0)
+    whole, cut = cuts_along(ends, style, 0.0), cuts_along(ends, style, 0.0, Beam(0.1, 0.3))
+    less = np.hypot(*np.diff(whole.segments, axis=1)[:, 0].T)
+    less -= np.hypot(*np.diff(cut.segments, axis=1)[:, 0].T)
+    diagonal = 2 / np.hypot(np.sqrt(0.5) / 0.05, np.sqrt(0.5) / 0.15)
+    for line, kerf in enumerate((0.1, 0.3, diagonal / 1.0)):
+        assert less[cut.owner == line] == pytest.approx(kerf)
+    with pytest.raises(InvalidValue, match="kerf_mm"):
+        cuts_along(ends[:1], style, 0.0, Beam(0.0, 0.3))
