@@ -28,17 +28,21 @@ _LISTED_PAIRS = 10
 
 
 def pair_findings(
-    sheet: ThickSheet, checks: Sequence[PairCheck], least_gap_mm: float | None = None
+    sheet: ThickSheet,
+    checks: Sequence[PairCheck],
+    least_gap_mm: float | None = None,
+    jammed_from: float | None = None,
 ) -> list[Finding]:
     """Findings of pairs in all states: one a pair when flat and at the target, the worst first.
 
     Between these states there is one finding for all overlaps, and one for all that is too near.
-    least_gap_mm : that the printer keeps open, where it is known.
+    least_gap_mm : that the printer keeps open, where it is known. jammed_from : the share of the
+    fold from which on panels overlap on their way.
     """
     between = [check for check in checks if check.state.stage == Stage.BETWEEN]
     ends = [check for check in checks if check.state.stage != Stage.BETWEEN]
     findings = [finding for check in ends for finding in _of_state(sheet, check, least_gap_mm)]
-    return [*findings, *_jams(sheet, between), *_near_between(sheet, between)]
+    return [*findings, *_jams(sheet, between, jammed_from), *_near_between(sheet, between)]
 
 
 def _of_state(sheet: ThickSheet, check: PairCheck, least_gap_mm: float | None) -> list[Finding]:
@@ -164,7 +168,9 @@ def _cure(sheet: ThickSheet, check: PairCheck) -> str:
     )
 
 
-def _jams(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
+def _jams(
+    sheet: ThickSheet, checks: Sequence[PairCheck], jammed_from: float | None
+) -> list[Finding]:
     """One finding for all overlaps between flat and the target."""
     deep = [
         (float(check.depth_mm[row]), check, row)
@@ -175,12 +181,13 @@ def _jams(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Finding]:
         return []
     depth, check, row = max(deep, key=lambda item: item[0])
     text, panels, creases = _named(sheet, check, row)
+    begin = "" if jammed_from is None else f", from {100 * jammed_from:.4g} % of the fold on"
     return [
         Finding(
             "panels-jam",
             Severity.WARNING,
-            f"panels jam between flat and the target: {_states(deep)}. Worst are {text}, up to "
-            f"{depth:.3g} mm deep {check.state.name}, where rigid panels lie up to "
+            f"panels jam between flat and the target{begin}: {_states(deep)}. Worst are {text}, "
+            f"up to {depth:.3g} mm deep {check.state.name}, where rigid panels lie up to "
             f"{check.state.bend_mm:.3g} mm off the simulated sheet: they bend by as much, or "
             "do not pass. Raise gap_mm or lower thickness_mm.",
             creases,

@@ -14,6 +14,7 @@ from fab.clearance.pair_findings import pair_findings
 from fab.clearance.soundness import SolidFigures, inspect_solids
 from fab.errors import Finding, Severity, counted, first_few
 from fab.folding.folded_states import FoldedState, Stage, states_within
+from fab.folding.last_states import last_state, states_between
 from fab.geometry.bodies import TriangleMesh
 from fab.geometry.booleans import manifolds
 from fab.panels.thick_sheet import ThickSheet
@@ -30,6 +31,9 @@ __all__ = [
     "inspect_clearance",
     "inspect_thick",
 ]
+
+# Halvings of the part of a fold in which panels begin to jam.
+_HALVINGS = 10
 
 
 @dataclass(frozen=True)
@@ -84,13 +88,14 @@ def inspect_thick(
     states: Sequence[FoldedState],
     *,
     limit_deg: float = 180.0,
+    limit_given: bool = True,
     least_gap_mm: float | None = None,
     progress: Progress = silent,
 ) -> tuple[ThickFigures, list[Finding]]:
     """Check every body of a sheet, and all pairs of them in every state.
 
-    joined : the surface of all bodies. states, limit_deg, least_gap_mm, progress : as in
-    `inspect_clearance`.
+    joined : the surface of all bodies. states, limit_deg, limit_given, least_gap_mm, progress : as
+    in `inspect_clearance`.
     """
     solids = manifolds(sheet.bodies)
     figures, findings = inspect_solids(sheet, solids, joined)
@@ -99,6 +104,7 @@ def inspect_thick(
         solids,
         states,
         limit_deg=limit_deg,
+        limit_given=limit_given,
         least_gap_mm=least_gap_mm,
         progress=progress,
     )
@@ -111,6 +117,7 @@ def inspect_clearance(
     states: Sequence[FoldedState],
     *,
     limit_deg: float = 180.0,
+    limit_given: bool = True,
     least_gap_mm: float | None = None,
     progress: Progress = silent,
 ) -> tuple[ClearanceFigures, list[Finding]]:
@@ -119,11 +126,15 @@ def inspect_clearance(
     solids : the bodies of the sheet as manifold3d solids. states : of the sheet's pattern, the flat
     one first (`fab.folding.folded_states`). From the first one on in which a crease is folded over
     limit_deg, for which panels are not made, they are left out, and the last one before counts as
-    the target. least_gap_mm : between bodies, that the printer keeps open, where it is known.
+    the target, if the limit was given: one that was found is no wish, and panels that jam before it
+    stop there. least_gap_mm : between bodies, that the printer keeps open, where it is known.
     progress : called with (stage, steps done, steps in the stage).
     """
     reached, beyond = states_within(sheet.pattern, sheet.panels.faces, states, limit_deg)
-    findings = _blocked(states, reached, beyond, limit_deg) if len(beyond) else []
+    findings = []
+    if len(beyond):
+        findings = _blocked(states, reached, beyond, limit_deg, limit_given=limit_given)
+        reached = reached if limit_given else list(states[: len(reached)])
     every = checked_bodies(sheet, solids, np.arange(len(sheet.bodies)))
     rigid = checked_bodies(sheet, solids, sheet.rigid)
     checks: list[PairCheck] = []
@@ -133,8 +144,34 @@ def inspect_clearance(
     progress("clearance", len(reached), len(reached))
     return _figures([_measured(check) for check in checks]), [
         *findings,
-        *pair_findings(sheet, checks, least_gap_mm),
+        *pair_findings(sheet, checks, least_gap_mm, _jammed_from(sheet, solids, reached, checks)),
     ]
+
+
+def _jammed_from(
+    sheet: ThickSheet,
+    solids: list[Manifold],
+    states: Sequence[FoldedState],
+    checks: Sequence[PairCheck],
+) -> float | None:
+    """The share of the fold from which on panels overlap on their way; None where they do not."""
+    jammed = (
+        number
+        for number, check in enumerate(checks)
+        if check.state.stage == Stage.BETWEEN and len(check.overlapping)
+    )
+    first = next(jammed, None)
+    if not first:  # none, or in the first state that is looked at
+        return None
+    check = checks[first]
+    faces = check.faces[check.pairs[check.overlapping]]
+    pairs = checked_bodies(sheet, solids, sheet.rigid[np.isin(sheet.faces[sheet.rigid], faces)])
+
+    def apart(state: FoldedState) -> bool:
+        return not len(check_pairs(sheet, pairs, state).overlapping)
+
+    between = states_between(sheet.pattern)
+    return last_state(between, states[first - 1], states[first], apart, _HALVINGS).share
 
 
 def _figures(states: list[StateFigures]) -> ClearanceFigures:
@@ -168,16 +205,26 @@ def _blocked(
     reached: Sequence[FoldedState],
     beyond: IntArray,
     limit_deg: float,
+    *,
+    limit_given: bool,
 ) -> list[Finding]:
+    """The finding of a sheet whose creases fold over the limit of its panels.
+
+    beyond : creases that do in the state after those that are reached.
+    """
     share = reached[-1].share if reached else 0.0
-    following = float(np.abs(states[len(reached)].angles_deg[beyond]).max())
     angle = float(np.abs(states[-1].angles_deg[beyond]).max())
-    creases = counted(len(beyond), "crease folds", "creases fold")
-    text = (
-        f"panels fold to {share:.0%} of the target, checked up to there: beyond, {creases} over "
-        f"fold_limit_deg = {limit_deg:g} degrees ({following:.4g} in the next state that is known, "
-        f"{angle:.4g} at the end). Raise fold_limit_deg where the panels allow it, or give a "
-        "pattern that folds less."
+    first = beyond[np.abs(reached[-1].angles_deg[beyond]).argmax()] if reached else beyond[0]
+    others = len(beyond) - 1
+    more = f" and {counted(others, 'more does', 'more do')} soon after" if others else ""
+    cure = (
+        "Raise fold_limit_deg where the panels allow it, or give a pattern that folds less."
+        if limit_given
+        else "Thinner panels or a larger sheet fold further."
     )
-    found = first_few(beyond)
-    return [Finding("fold-blocked", Severity.WARNING, text.replace("%", " %"), creases=found)]
+    text = (
+        f"panels fold to {100 * share:.4g} % of the target, checked up to there: crease {first} "
+        f"reaches fold_limit_deg = {limit_deg:g} degrees then{more}, on the way to {angle:.4g} at "
+        f"the end. {cure}"
+    )
+    return [Finding("fold-blocked", Severity.WARNING, text, creases=first_few(beyond))]

@@ -14,7 +14,14 @@ import numpy as np
 
 from fab.clearance.checked_bodies import checked_bodies
 from fab.clearance.pair_checks import check_pairs
-from fab.folding.folded_states import FoldedState, folded_states, known_target, states_within
+from fab.folding.folded_states import (
+    FoldedState,
+    Stage,
+    folded_states,
+    known_target,
+    states_within,
+)
+from fab.folding.last_states import with_state_at_limit
 from fab.geometry.booleans import manifolds
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings, least_thickness_mm
@@ -51,7 +58,9 @@ def collisions(
         if known is not None and not len(states_within(pattern, faces, [known], limit)[1]):
             return known
         every = folded_states(pattern, progress=progress)[0] if states is None else states
-        return states_within(pattern, faces, every, limit)[0][-1]
+        every = with_state_at_limit(pattern, faces, every, limit)
+        within = states_within(pattern, faces, every, limit)[0]
+        return next((s for s in reversed(within) if s.stage != Stage.BETWEEN), within[-1])
 
     def clear(thickness_mm: float) -> float | None:
         given = panel.model_copy(update={"thickness_mm": thickness_mm})

@@ -26,12 +26,14 @@ from solver.errors import require_count
 from solver.vectors import FloatArray, IntArray, cross, dot, unit
 
 __all__ = [
+    "SOFT",
     "FoldedState",
     "Stage",
     "flat_panels",
     "folded_states",
     "known_target",
     "panels_at",
+    "share_of",
     "states_within",
     "with_free_angles",
 ]
@@ -47,9 +49,11 @@ _NOT_RIGID = Finding(
 # Creases this much softer than faces leave the faces nearly plane wherever the pattern allows it:
 # corners are 20 to 50 times nearer to rigid faces than with the stiffness of paper, which a job's
 # own simulation has. So the two are different folds, and a job may need both.
-_CREASE_STIFFNESS = 0.01
+SOFT = FoldSettings(crease=0.01)
 # Rigid faces miss their places by less than this share of the sheet.
 _BENT_REL = 1e-9
+# Faces that bend by less are flat.
+_BENT_MM = 1e-3
 # Accuracy of the fold angles of states.
 _ANGLE_DEG = 1e-6
 
@@ -73,6 +77,7 @@ class FoldedState:
     turns, shifts : shapes (nf, 3, 3) and (nf, 3), mm: motions x -> turn x + shift from flat.
     angles_deg : shape (ne,), fold angles between the faces; 0 for edges without two faces.
     bend_mm : largest distance of a corner of a rigid face from that of the bent one.
+    sought : whether it was sought for its share (`fab.folding.last_states`).
     """
 
     stage: Stage
@@ -81,6 +86,7 @@ class FoldedState:
     shifts: FloatArray
     angles_deg: FloatArray
     bend_mm: float
+    sought: bool = False
 
     @property
     def name(self) -> str:
@@ -90,6 +96,8 @@ class FoldedState:
         if self.stage == Stage.TARGET and self.share == 1:
             return "at the target"
         percent = 100 * self.share
+        if self.sought:
+            return f"at {percent:.4g} % of the fold"
         # two digits distinguish the states of a sheet that hardly folds until it snaps
         return f"at {percent:{'.2g' if percent < 9.5 else '.0f'}} % of the fold"
 
@@ -141,8 +149,10 @@ def states_within(
 ) -> tuple[list[FoldedState], IntArray]:
     """The states up to a fold limit, the last of them as the target, and the creases beyond it.
 
-    A state is beyond it where a crease between two of `faces` folds by more than limit_deg; the
-    creases are those of the first such state, shape (k,): none where all states are within.
+    A state that was sought and bends its faces is no target: how they bend there is less certain
+    than in the simulated one before it. A state is beyond the limit where a crease between two of
+    `faces` folds by more than limit_deg; the creases are those of the first such state, shape (k,):
+    none where all states are within.
     """
     chosen = np.zeros(pattern.face_count + 1, bool)  # the last one for borders
     chosen[faces] = True
@@ -152,8 +162,10 @@ def states_within(
     if first is None:
         return list(states), np.empty(0, np.int64)
     kept = list(states[:first])
-    if kept and kept[-1].stage == Stage.BETWEEN:
-        kept[-1] = replace(kept[-1], stage=Stage.TARGET)
+    uncertain = bool(kept) and kept[-1].sought and kept[-1].bend_mm > _BENT_MM
+    last = len(kept) - (2 if uncertain else 1)
+    if last >= 0 and kept[last].stage == Stage.BETWEEN:
+        kept[last] = replace(kept[last], stage=Stage.TARGET)
     return kept, np.flatnonzero(over[first])
 
 
@@ -179,7 +191,7 @@ def folded_states(
     rigid = _rigid(pattern, count)
     if rigid is not None:
         return [*states, *rigid], []
-    settings = FoldSettings(steps=count + 1, crease=_CREASE_STIFFNESS)
+    settings = SOFT.model_copy(update={"steps": count + 1})
     folding, verdict, _ = fold_and_judge(pattern, settings, progress=progress)
     frame, target = folding.frame, folded_form(folding, verdict)
     inner = folding.states[1:] if target is None else folding.states[1:-1]
@@ -208,7 +220,7 @@ def _rigid(pattern: CreasePattern, count: int) -> list[FoldedState] | None:
         made = panels_at(pattern, coords, Stage.BETWEEN, 1.0, frame.sheet.pattern)
         if made.bend_mm > _BENT_REL * frame.size_mm:
             return None  # faces do not meet around a hole
-        states.append(replace(made, share=_share(pattern, made)))
+        states.append(replace(made, share=share_of(pattern, made)))
     if form is None:
         return None
     sheet = frame.sheet.pattern
@@ -238,7 +250,7 @@ def _between(
 
     def state(coords: FloatArray) -> FoldedState:
         made = panels_at(pattern, coords * frame.size_mm, Stage.BETWEEN, 1.0, frame.sheet.pattern)
-        return replace(made, share=_share(pattern, made))
+        return replace(made, share=share_of(pattern, made))
 
     out = []
     for coords in between:
@@ -249,7 +261,7 @@ def _between(
     return out
 
 
-def _share(pattern: CreasePattern, state: FoldedState) -> float:
+def share_of(pattern: CreasePattern, state: FoldedState) -> float:
     """The share of all fold angles that a state has: creases may lag behind what drives them."""
     target = pattern.edges_foldAngle
     creases = (np.abs(target) > FLAT_ANGLE_DEG) & (pattern.edges_assignment != "C")

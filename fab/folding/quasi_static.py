@@ -25,12 +25,14 @@ from solver.vectors import FloatArray
 __all__ = [
     "FoldState",
     "Folding",
+    "Rest",
     "aligned",
     "damped",
     "flat_state",
     "fold",
     "largest_turns",
     "path_at",
+    "relaxed",
     "state_of",
 ]
 
@@ -135,7 +137,7 @@ def fold(
         progress(number - 1, loads)
         target, rate = path_at(path, number / loads)
         coords = _predicted(frame, predictor, state.coords, angles + rate / loads, target)
-        rest = _relaxed(frame, coords, target, number == loads)
+        rest = relaxed(frame, coords, target, number == loads)
         coords = aligned(rest.coords, state.coords)
         solved, rested = solved + rest.iterations, rested and rest.settled
         state = state_of(frame, number / loads, coords, target, solved, rested, rest.accepted)
@@ -188,7 +190,7 @@ def _predicted(
 
 
 @dataclass(frozen=True)
-class _Rest:
+class Rest:
     """Where the sheet came to rest: see `FoldState` for the fields."""
 
     coords: FloatArray
@@ -197,7 +199,7 @@ class _Rest:
     settled: bool
 
 
-def _relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: bool) -> _Rest:
+def relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: bool) -> Rest:
     """The local minimum of energy near to `coords`; last : whether the load is the full one."""
     most = _MOST_AT_LAST if last else _MOST
     energy = frame.energy(coords, target).total
@@ -206,7 +208,7 @@ def _relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: boo
     for solved in range(1, most + 1):
         gradient, matrix = frame.linearised(coords, target)
         if energy <= _ROUNDING_ENERGY * matrix.diagonal().sum():
-            return _Rest(coords, tuple(accepted), solved - 1, True)
+            return Rest(coords, tuple(accepted), solved - 1, True)
         step = damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
         for length in _LENGTHS:
             lower = frame.energy(coords + length * step, target).total
@@ -214,7 +216,7 @@ def _relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: boo
                 break
         else:
             if np.abs(step).max() < _ROUNDING or damping > _MOST_DAMPING:
-                return _Rest(coords, tuple(accepted), solved, True)
+                return Rest(coords, tuple(accepted), solved, True)
             damping = max(100 * damping, 1e-10)
             continue
         coords, share, energy = coords + length * step, 1 - lower / energy, lower
@@ -222,9 +224,9 @@ def _relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: boo
         if np.abs(step).max() < _ROUNDING or (
             not last and damping < _TRUSTED_DAMPING and share < _SETTLED
         ):
-            return _Rest(coords, tuple(accepted), solved, True)
+            return Rest(coords, tuple(accepted), solved, True)
         damping = max(damping / 10, _LEAST_DAMPING) if length == 1 else 10 * damping
-    return _Rest(coords, tuple(accepted), most, False)
+    return Rest(coords, tuple(accepted), most, False)
 
 
 def damped(matrix: csc_array, damping: float) -> SuperLU:

@@ -12,7 +12,7 @@ from fab.folding.rotation_predictor import RotationPredictor
 from solver.hinge_angles import hinge_angles
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["crease_jacobian", "rigid_coords"]
+__all__ = ["crease_jacobian", "rigid_coords", "rigid_coords_at"]
 
 _STEPS = 20
 _CLOSED_RAD = 1e-12
@@ -30,15 +30,24 @@ def rigid_coords(
     """The vertices of a rigid state near to `coords`; None where no such state is nearby.
 
     Both have shape (nv, 3), relative to the framework's size. All vertices close and no face is
-    bent; holes need not close. Newton's method on the angles of the creases, each step the shortest
-    that closes to first order; for the condition see belcastro and Hull (2002).
+    bent; holes need not close. closure, predictor : of the framework, by `hinges_around` and
+    `rotation_predictor`.
+    """
+    turned = hinge_angles(coords, frame.hinges_vertices)
+    return rigid_coords_at(frame, closure, predictor, np.where(frame.hinges_edge >= 0, turned, 0.0))
 
-    closure, predictor : of the framework, by `hinges_around` and `rotation_predictor`.
+
+def rigid_coords_at(
+    frame: Framework, closure: Closure, predictor: RotationPredictor, begin: FloatArray
+) -> FloatArray | None:
+    """The same near to angles of all hinges, radians, shape (nh,), 0 for those within faces.
+
+    Newton's method on the angles of the creases, each step the shortest that closes to first order;
+    for the condition see belcastro and Hull (2002).
     """
     creases = np.flatnonzero(frame.hinges_edge >= 0)
     column = np.full(len(frame.hinges_edge), -1)
     column[creases] = np.arange(len(creases))
-    begin = np.where(column >= 0, hinge_angles(coords, frame.hinges_vertices), 0.0)
     angles = begin.copy()
     if not len(closure.hinges):
         return predictor.coords(angles)

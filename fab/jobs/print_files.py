@@ -18,10 +18,12 @@ import numpy as np
 from fab.clearance.thick_inspection import inspect_thick
 from fab.errors import Finding, InvalidJob, Severity, counted, first_few
 from fab.folding.folded_states import FoldedState, folded_states, with_free_angles
+from fab.folding.last_states import with_state_at_limit
 from fab.geometry.bodies import TriangleMesh, bodies_of
 from fab.jobs.file_names import THICK
 from fab.layout.piece_gaps import set_apart
 from fab.outputs import Made, box_mm, with_report
+from fab.panels.fold_limit import panels_within_reach
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern
 from fab.printing.bed_place import UNMOVED, place_on_bed
@@ -135,11 +137,16 @@ def thick_files(
     findings += found
     with clock.stage("panels"):
         free = with_free_angles(pattern, states)
-        sheet, found = thicken(free, settings.panels, settings.hinges)
+        nozzle = 0.0 if print_with.printer is None else print_with.printer.nozzle_mm
+        panels, found = panels_within_reach(free, settings.panels, settings.hinges, nozzle)
+        limited = bool(found)
+        findings += found
+        sheet, found = thicken(free, panels, settings.hinges, nozzle)
+        states = with_state_at_limit(free, sheet.panels.faces, states, panels.fold_limit_deg)
     findings += found
     if not len(sheet.bodies):
         return ThickFiles({}, None, None, None, tuple(findings))
-    checked, found = _checked(sheet, states, settings, print_with, clock)
+    checked, found = _checked(sheet, states, settings, print_with, clock, limit_given=not limited)
     findings += found
     plates: Plates | None = None
     if print_with.printer is not None and _divisible(settings, findings):
@@ -185,12 +192,14 @@ def _checked(
     settings: ThickSettings,
     print_with: PrintWith,
     clock: Clock,
+    *,
+    limit_given: bool,
 ) -> tuple[_Checked, list[Finding]]:
     """The sheet with its joined surface, checked for clearance and for its printer."""
     from fab.geometry.booleans import joined_mesh
 
     _require_resolved(sheet)
-    limit_deg = settings.panels.fold_limit_deg
+    limit_deg = sheet.panel.fold_limit_deg
     printer = print_with.printer
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
@@ -200,6 +209,7 @@ def _checked(
             joined,
             states,
             limit_deg=limit_deg,
+            limit_given=limit_given,
             least_gap_mm=None if printer is None else printer.least_gap_mm,
             progress=clock.progress,
         )
@@ -210,7 +220,8 @@ def _checked(
         if print_with.hinges is not None:
             findings += inspect_webs(sheet, print_with.hinges, limit_deg)
         prints = print_figures(measured.solids, joined, print_with.panels, print_with.hinges)
-    figures = {
+    figures: dict[str, Any] = {
+        "fold_limit_deg": limit_deg,
         **dataclasses.asdict(measured.solids),
         **dataclasses.asdict(prints),
         **dataclasses.asdict(measured.clearance),

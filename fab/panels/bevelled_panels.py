@@ -78,7 +78,8 @@ class PanelSettings(Settings):
         default=180.0,
         gt=0,
         le=180,
-        description="creases that should fold further get panels that fold as far as this",
+        description="creases that should fold further get panels that fold as far as this. The "
+        "largest that works where left out",
     )
 
     @model_validator(mode="after")

@@ -76,11 +76,13 @@ def scale_bounds(
     return np.maximum(low, high)
 
 
-def largest_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
+def largest_where(
+    holds: Callable[[float], bool], low: float, high: float, exact_rel: float = _EXACT
+) -> float | None:
     """The largest value between two bounds at which something holds; it holds below that as well.
 
-    low, high : above 0. Found by bisection, to 1e-9 of itself; None where it does not even hold at
-    the lower bound.
+    low, high : above 0. Found by bisection, to a share of itself; None where it does not even hold
+    at the lower bound.
 
     >>> round(largest_where(lambda x: x**2 <= 2, 1.0, 1e6), 6)
     1.414214
@@ -89,7 +91,7 @@ def largest_where(holds: Callable[[float], bool], low: float, high: float) -> fl
         return None
     if holds(high):
         return high
-    while high > low * (1 + _EXACT):
+    while high > low * (1 + exact_rel):
         # in proportion while the bounds are orders of magnitude apart
         middle = (low * high) ** 0.5 if high > 2 * low else (low + high) / 2
         low, high = (middle, high) if holds(middle) else (low, middle)

@@ -10,7 +10,6 @@ from fab.errors import Finding
 from fab.geometry.bodies import Bodies, bodies_of, concatenated
 from fab.panels.alignment_holes import drilled
 from fab.panels.bevelled_panels import Panels, PanelSettings, make_panels
-from fab.panels.feasibility import inspect_feasibility
 from fab.panels.film import make_film
 from fab.panels.hinge_room import crease_sides
 from fab.panels.hinges import (
@@ -22,6 +21,7 @@ from fab.panels.hinges import (
 from fab.panels.inner_edges import slitted
 from fab.panels.knuckled_panels import with_knuckles
 from fab.panels.knuckles import Knuckles, make_knuckles
+from fab.panels.lost_faces import inspect_feasibility
 from fab.panels.webs import make_webs
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import BoolArray, IntArray
@@ -109,15 +109,23 @@ def rigid_sheet(
 
 
 def thicken(
-    pattern: CreasePattern, panel: PanelSettings, hinge: HingeSettings
+    pattern: CreasePattern,
+    panel: PanelSettings,
+    hinge: HingeSettings,
+    least_width_mm: float = 0.0,
 ) -> tuple[ThickSheet, list[Finding]]:
     """Panels and hinges of a pattern, and findings about them.
+
+    least_width_mm : that advice leaves to panels, such as a printer's nozzle.
 
     Raises `InvalidJob` where panels cannot have such hinges.
     """
     rigid, findings = rigid_sheet(pattern, panel, hinge)
     panels = rigid.panels
-    findings = [*inspect_feasibility(pattern, panel, hinge, panels.faces), *findings]
+    findings = [
+        *inspect_feasibility(pattern, panel, hinge, panels.faces, least_width_mm),
+        *findings,
+    ]
     webs, without = make_webs(pattern, panels, hinge)
     findings += without
     held = [webs.creases, rigid.held]

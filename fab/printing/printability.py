@@ -10,6 +10,7 @@ from fab.clearance.soundness import SolidFigures
 from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.bodies import TriangleMesh
 from fab.panels.bevelled_panels import Panels
+from fab.panels.panel_widths import panel_widths_mm
 from fab.panels.thick_sheet import ThickSheet
 from fab.printing.bed_place import fitting_box
 from fab.printing.printers import Printer, PrintMaterial
@@ -20,7 +21,6 @@ __all__ = [
     "bed_area_mm2",
     "inspect_print",
     "inspect_webs",
-    "panel_widths_mm",
     "print_figures",
 ]
 
@@ -132,32 +132,6 @@ def bed_area_mm2(joined: TriangleMesh) -> float:
     lowest = joined.vertices_coords[:, 2].min(initial=np.inf)
     a, b, c = corners[(corners[:, :, 2] <= lowest + _ON_BED_MM).all(axis=1)].swapaxes(0, 1)
     return float(norm(cross(b - a, c - a)).sum() / 2)
-
-
-def panel_widths_mm(panels: Panels) -> FloatArray:
-    """Least width of the bottom or the top of every panel, whichever is less, mm, shape (n,).
-
-    Over the directions across its sides, one of which has the least width of a convex panel.
-    """
-    bodies, sides = panels.bodies, panels.sides
-    out = np.full(len(bodies), np.inf)
-    sizes = np.diff(sides.offsets)[panels.faces]
-    ends = np.cumsum(sizes)
-    body = np.repeat(np.arange(len(bodies)), sizes)
-    side = np.arange(len(body)) + np.repeat(sides.offsets[panels.faces] - (ends - sizes), sizes)
-    for z in panels.heights_mm:
-        rows = np.flatnonzero(np.abs(bodies.vertices_coords[:, 2] - z) <= _ON_BED_MM)
-        starts = np.searchsorted(bodies.vertices_body[rows], np.arange(len(bodies) + 1))
-        counts = np.diff(starts)[body]
-        first = np.cumsum(counts) - counts
-        point = np.arange(int(counts.sum())) + np.repeat(starts[body] - first, counts)
-        across = np.repeat(sides.inward[side], counts, axis=0)
-        along = (bodies.vertices_coords[rows[point], :2] * across).sum(axis=1)
-        level = np.flatnonzero(counts)  # sides of panels that have corners at this height
-        begin, width = first[level], np.zeros(len(body))
-        width[level] = np.maximum.reduceat(along, begin) - np.minimum.reduceat(along, begin)
-        np.minimum.at(out, body, width)
-    return out
 
 
 def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:

@@ -291,7 +291,7 @@ def test_creases_over_the_limit_end_the_check_there():
     figures, findings = inspected(sheet, states, limit_deg=40.0)
     (blocked,) = findings
     assert blocked.code == "fold-blocked"
-    assert "fold to 44 % of the target" in blocked.text
+    assert "fold to 44.44 % of the target" in blocked.text
     assert len(blocked.creases) == (np.abs(pattern.edges_foldAngle) > 0).sum()
     assert [state.state for state in figures.clearance.states][-1] == "at 44 % of the fold"
     assert len(inspected(sheet, states, limit_deg=39.99)[0].clearance.states) == 4

@@ -15,6 +15,7 @@ from fab.clearance.thick_inspection import inspect_thick
 from fab.clearance.thickness_limit import clear_up_to, collisions
 from fab.errors import Severity
 from fab.folding.folded_states import Stage, folded_states, known_target, panels_at, states_within
+from fab.folding.last_states import with_state_at_limit
 from fab.geometry.booleans import joined_mesh
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
@@ -33,7 +34,9 @@ STEP = 1e-6
 @cache
 def target(name, width_mm, limit_deg):
     pattern = shipped_pattern(name, width_mm)
-    states = folded_states(pattern)[0]
+    states = with_state_at_limit(
+        pattern, np.arange(pattern.face_count), folded_states(pattern)[0], limit_deg
+    )
     return states_within(pattern, np.arange(pattern.face_count), states, limit_deg)[0][-1]
 
 

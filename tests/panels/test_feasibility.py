@@ -13,8 +13,9 @@ from fab.errors import InvalidJob
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
 from fab.panels.bevelled_panels import PanelSettings, make_panels
-from fab.panels.feasibility import Feasibility, inspect_feasibility
+from fab.panels.feasibility import Feasibility
 from fab.panels.hinges import HingeSettings, heights_and_setbacks
+from fab.panels.lost_faces import inspect_feasibility
 from fab.panels.thick_sheet import thicken
 from fab.pattern.crease_pattern import scaled
 

@@ -16,12 +16,12 @@ from fab.geometry.bodies import TriangleMesh
 from fab.geometry.booleans import joined_mesh, manifolds
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
+from fab.panels.panel_widths import panel_widths_mm
 from fab.panels.thick_sheet import thicken
 from fab.printing.printability import (
     bed_area_mm2,
     inspect_print,
     inspect_webs,
-    panel_widths_mm,
     print_figures,
 )
 from fab.printing.printers import load_print_material, load_printer
