@@ -99,3 +99,19 @@ def stars(count: int, seed: int, size: float = 60.0) -> list[np.ndarray]:
         radius = size / 2 * rng.uniform(0.4, 1, corners)
         out.append(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
     return out
+
+
+def strips(gap, *rows) -> CreasePattern:
+    """A Miura sheet 6 quads wide in sheets of some rows each, `gap` apart, 20 mm a unit."""
+    from fab.jobs.grow import unfolded
+    from fab.jobs.job import SheetSize
+    from solver import Miura, QuadMesh
+    from solver.relaxed_fit import joined
+
+    whole = Miura(columns=6, rows=sum(rows)).grow().mesh
+    parts, start = [], 0
+    for number, count in enumerate(rows):
+        grid = whole.grid[start : start + count + 1]
+        parts.append(QuadMesh.from_rows(whole.vertices_coords[grid] + [0, 0, number * gap]))
+        start += count
+    return unfolded(joined(parts), SheetSize(scale_mm_per_unit=20.0))[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from fab.cli.sheets import sheet_lines
 from fab.errors import counted
 
 __all__ = ["summary"]
@@ -29,6 +30,8 @@ def summary(report: Mapping[str, Any]) -> Iterator[str]:
     for key, goal in (report["goals"] or {}).items():
         within = f" within {goal['within_mm']:g} mm" if "within_mm" in goal else ""
         yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached{within}"
+    if "sheets" in report:
+        yield from sheet_lines(report)
     if report["solids"] is not None:
         yield _solids(report["solids"], boxes["print"])
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from fab.outputs import Made
     from fab.progress import Progress
 
-__all__ = ["coupon", "fabricate", "shipped"]
+__all__ = ["coupon", "fabricate", "sheet_lines", "shipped"]
 
 
 @click.command()
@@ -100,7 +100,7 @@ def fabricate(
             )
 
         files = FilesOf(plain_title(file.stem), [SHEETS])
-        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=sheet_lines, told=told)
 
 
 def _given(
@@ -122,7 +122,8 @@ def _given(
     return {key: value for key, value in keys.items() if value is not None}
 
 
-def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+def sheet_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    """How many pieces, seams and sheets a report has, how long they take, how to turn them."""
     sheets = report["sheets"]
     width, depth = report["machine"]["bed_mm"]
     yield (

@@ -42,6 +42,7 @@ class DrawingStyle:
     stroke_mm : width of the lines in SVG; in DXF and PDF they are as thin as can be.
     settings : speed and power of the operations, for formats that hold them.
     s_max : S of G-code at full power.
+    remark : one line, as a comment in SVG and DXF; empty for none.
     """
 
     colours: Colours = field(default_factory=Colours)
@@ -49,6 +50,7 @@ class DrawingStyle:
     stroke_mm: float = STROKE_MM
     settings: Mapping[Operation, CutSetting] = field(default_factory=dict)
     s_max: float = 1000.0
+    remark: str = ""
 
 
 def drawing_files(
@@ -69,9 +71,9 @@ def drawing_files(
     style = style or DrawingStyle()
     files = {}
     if SheetFormat.DXF in formats:
-        files[f"{name}.dxf"] = dxf_bytes(paths, style.colours, style.dxf_version)
+        files[f"{name}.dxf"] = dxf_bytes(paths, style.colours, style.dxf_version, style.remark)
     if SheetFormat.SVG in formats:
-        files[f"{name}.svg"] = svg_bytes(paths, name, style.colours, style.stroke_mm)
+        files[f"{name}.svg"] = svg_bytes(paths, name, style.colours, style.stroke_mm, style.remark)
     if SheetFormat.PDF in formats:
         from fab.drawings.pdf import pdf_bytes
 

@@ -49,10 +49,11 @@ def dxf_bytes(
     paths: CutPaths,
     colours: Colours | None = None,
     version: DxfVersion = DxfVersion.R2000,
+    remark: str = "",
 ) -> bytes:
     """The bytes that `write_dxf` writes."""
     out = io.BytesIO()
-    write_dxf(out, paths, colours, version)
+    write_dxf(out, paths, colours, version, remark)
     return out.getvalue()
 
 
@@ -61,14 +62,19 @@ def write_dxf(
     paths: CutPaths,
     colours: Colours | None = None,
     version: DxfVersion = DxfVersion.R2000,
+    remark: str = "",
 ) -> None:
     """Write the DXF file, the same bytes for the same paths, without holding it in memory.
+
+    remark : one line of text, which becomes a comment at the head of the file.
 
     Raises `InvalidValue` for coordinates that are not finite or not below 4e9.
     """
     head, body, tail, owner, handle = _frame(paths, colours or Colours(), version)
     count = sum(len(layer.segments) for layer in paths.layers)
     handle = int(16 ** len(f"{max(handle, count):X}"))  # so that all handles are alike in length
+    if remark:
+        stream.write(f"999\n{remark}\n".encode())
     seed = f"$HANDSEED\n  5\n{handle + count:X}\n"
     stream.write(re.sub(r"\$HANDSEED\n  5\n[0-9A-F]+\n", seed, head).encode())
     for layer in paths.layers:

@@ -21,13 +21,17 @@ STROKE_MM = 0.1
 
 
 def svg_bytes(
-    paths: CutPaths, title: str, colours: Colours | None = None, stroke_mm: float = STROKE_MM
+    paths: CutPaths,
+    title: str,
+    colours: Colours | None = None,
+    stroke_mm: float = STROKE_MM,
+    remark: str = "",
 ) -> bytes:
     """The SVG file, the same bytes for the same paths; drawn as seen from the upper side.
 
     The y axis of SVG points down, so y is turned around: the picture is not mirrored. A page on a
     bed is as large as the bed; others are larger than the drawing, by a stroke on every side.
-    title : of the document; "_" replaces what cannot be printed.
+    title : of the document; "_" replaces what cannot be printed. remark : its description.
     """
     width, height = paths.size_mm
     edge = 0.0 if paths.on_bed else stroke_mm
@@ -41,6 +45,8 @@ def svg_bytes(
         f'viewBox="{box[0]:.6f} {box[1]:.6f} {box[2]:.6f} {box[3]:.6f}">\n'
         f"<title>{escape(plain_title(title))}</title>\n"
     )
+    if remark:
+        head += f"<desc>{escape(plain_title(remark))}</desc>\n"
     chosen = colours or Colours()
     out = io.BytesIO()
     out.write(head.encode())

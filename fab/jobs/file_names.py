@@ -34,7 +34,9 @@ class Family:
         return f"{name}{self.report}"
 
 
-JOB = Family("_report.json", r"(_plate_\d+|_bodies)?\.(fold|dxf|svg|step|stl|3mf|png|zip|glb|html)")
+JOB = Family(
+    "_report.json", r"(_plate_\d+|_bodies)?\.(fold|dxf|svg|pdf|step|stl|3mf|png|zip|glb|html)"
+)
 SHEETS = Family(
     "_sheets_report.json",
     r"_\d+(_front|_back)?(_frame)?\.(dxf|svg|pdf|lbrn2|plt|gcode)|_sheets\.html",

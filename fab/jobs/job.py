@@ -85,7 +85,22 @@ class SheetSettings(ThickSettings):
     )
     description: str = ""
     outputs: list[
-        Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png", "zip", "glb", "html"]
+        Literal[
+            "fold",
+            "dxf",
+            "svg",
+            "step",
+            "stl",
+            "3mf",
+            "png",
+            "zip",
+            "glb",
+            "html",
+            "pdf",
+            "lbrn2",
+            "plt",
+            "gcode",
+        ]
     ] = Field(
         default=["fold", "dxf", "svg", "step", "stl", "3mf", "png", "html"],
         min_length=1,

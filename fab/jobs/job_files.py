@@ -2,7 +2,7 @@
 
 The flow, and the only place where its branches join:
 
-    design -> mesh -> development -> crease pattern -+-> perforation -> DXF, SVG
+    design -> mesh -> development -> crease pattern -+-> sheets, or perforation alone -> DXF, SVG
                                                      +-> FOLD, PNG
                                                      +-> thick sheet -> STEP, STL, 3MF, PNG
                                                      +-> scene -> GLB, result page of it all
@@ -21,14 +21,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fab import __version__
-from fab.errors import Finding, Severity, counted
+from fab.drawings.drawing_files import DrawingStyle, SheetFormat, drawing_files
+from fab.errors import Finding, InvalidJob, Severity, counted
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.alike_panels import alike_panels
 from fab.jobs.file_names import JOB
 from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
-from fab.jobs.seam_report import seam_findings, seam_marks
+from fab.jobs.seam_report import seam_findings
 from fab.jobs.surface_report import growth_report
 from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
@@ -36,7 +37,10 @@ from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_
 from fab.pattern.meeting_rims import meeting_rims
 from fab.progress import Clock, Progress, silent
 from fab.settings import checked
+from fab.sheets.cut_pieces import PatternCopies
 from fab.sheets.perforation import perforate
+from fab.sheets.rim_points import rim_marks
+from fab.sheets.sheet_drawings import sheet_drawings
 from solver import Growth, QuadMesh
 from solver.graphs import labels
 from solver.self_intersection import crossing_faces
@@ -46,6 +50,7 @@ from solver.vectors import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from fab.drawings.cut_paths import CutPaths
+    from fab.drawings.layer_colours import Colours
     from fab.viewing.scene import Scene
 
 __all__ = ["Format", "Sheet", "from_mesh", "grown_sheet", "make"]
@@ -64,6 +69,10 @@ class Format(StrEnum):
     ZIP = "zip"
     GLB = "glb"
     HTML = "html"
+    PDF = "pdf"
+    LBRN2 = "lbrn2"
+    PLT = "plt"
+    GCODE = "gcode"
 
 
 _SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
@@ -72,6 +81,15 @@ _ALSO_OF_SHEETS = {".png", ".glb"}
 _OF_SCENES = {Format.GLB, Format.HTML}
 # Larger sheets take long to be found rigid or not; `check` says so of any.
 _RIGIDITY_FACES = 2000
+# What is made of a drawing that no machine is known for.
+_DRAWN = (SheetFormat.DXF, SheetFormat.SVG, SheetFormat.PDF)
+
+
+_NO_KERF = "lines are drawn without kerf, for no machine"
+_NO_KERF_CURE = (
+    "Add a table [cutter] with material and machine to the job, or use `quadfold fabricate` with "
+    "its FOLD file, to have sheets for them"
+)
 
 
 @dataclass(frozen=True)
@@ -228,7 +246,7 @@ class _Part:
 
     scene : of the sheet in folded states, where the stage has them and a model or page is made.
     panels_state : number of the state up to which its panels fold.
-    paths : what is cut.
+    paths : what is cut, by title; colours : of its operations.
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
@@ -236,7 +254,8 @@ class _Part:
     report: Mapping[str, Any] = field(default_factory=dict)
     scene: Scene | None = None
     panels_state: int = 0
-    paths: CutPaths | None = None
+    paths: Mapping[str, CutPaths] = field(default_factory=dict)
+    colours: Colours | None = None
 
 
 def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
@@ -347,20 +366,46 @@ def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
 
 
 def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
-    kinds = [kind for kind in (Format.DXF, Format.SVG) if kind in wanted]
+    """The sheets for the job's cutter, or else one drawing of the whole pattern."""
+    kinds = [kind for kind in SheetFormat if Format(kind) in wanted]
+    settings = sheet.settings
+    if settings.cutter is None:
+        _require_drawn(kinds)
     if not kinds:
         return _Part()
-    from fab.drawings.drawing_files import SheetFormat, drawing_files
-
+    if settings.cutter is not None:
+        request = settings.cutter.request(
+            kinds, perforation=settings.perforation, page=False, folder=settings.folder
+        )
+        with clock.stage("sheets"):
+            patterns = [PatternCopies(settings.name, sheet.pattern)]
+            made = sheet_drawings(patterns, settings.name, request, clock.progress)
+        report = {key: value for key, value in made.report.items() if key != "name"}
+        return _Part(
+            made.files, made.findings, report, paths=made.paths, colours=request.machine.colours
+        )
     with clock.stage("perforate"):
         meeting = meeting_rims(sheet.pattern)
-        marks = [] if meeting is None else seam_marks(sheet.pattern, meeting)
-        paths, findings = perforate(sheet.pattern, sheet.settings.perforation, marks=marks)
+        marks = [] if meeting is None else rim_marks(sheet.pattern, meeting)
+        paths, findings = perforate(sheet.pattern, settings.perforation, marks=marks)
     files: dict[str, bytes] = {}
+    style = DrawingStyle(remark=_NO_KERF)
     for kind in kinds:
         with clock.stage(kind):
-            files |= drawing_files(paths, sheet.settings.name, [SheetFormat(kind.value)])
-    return _Part(files, findings, paths=paths)
+            files |= drawing_files(paths, settings.name, [kind], style)
+    note = Finding("no-kerf", Severity.NOTE, f"{_NO_KERF}. {_NO_KERF_CURE}")
+    return _Part(files, [*findings, note], paths={"As it is cut": paths})
+
+
+def _require_drawn(kinds: Sequence[SheetFormat]) -> None:
+    """Raise `InvalidJob` for formats that only a known machine follows."""
+    programs = [kind for kind in kinds if kind not in _DRAWN]
+    if programs:
+        raise InvalidJob(
+            f"{' and '.join(programs)}: the job names no machine to make it for. Add a table "
+            "[cutter], such as `--set cutter.material=card_300gsm --set "
+            "cutter.machine=co2_60w_600x400`."
+        )
 
 
 def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
@@ -465,7 +510,7 @@ def _of_scene(
     if Format.HTML in wanted:
         from fab.viewing.page import ResultPage, page_bytes
 
-        paths = next((part.paths for part in parts if part.paths is not None), None)
+        drawn = next((part for part in parts if part.paths), _Part())
         pictures = {
             f"{name}.png": "folded form and crease pattern",
             f"{name}_thick.png": "panels and hinges, flat and folded",
@@ -478,7 +523,8 @@ def _of_scene(
                 report,
                 findings,
                 {**files, **made},
-                {} if paths is None else {"As it is cut": paths},
+                drawn.paths,
+                drawn.colours,
                 pictures=pictures,
                 panels_state=reached,
             )

@@ -1,20 +1,11 @@
-"""Sheets whose rims meet at numbered points: what is said of them, and engraved on them."""
+"""Sheets whose rims meet at numbered points: what is said of them."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from fab.drawings.cut_paths import Layer
 from fab.errors import Finding, Severity, counted
-from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.meeting_rims import MeetingRims
 
-__all__ = ["seam_findings", "seam_marks"]
-
-# Greatest height of the numbers, mm.
-_LABEL_MM = 4.0
-# Numbers are in the middle of this share of an edge, from its vertex that has the number.
-_BESIDE = 0.5
+__all__ = ["seam_findings"]
 
 
 def seam_findings(meeting: MeetingRims) -> list[Finding]:
@@ -33,19 +24,3 @@ def seam_findings(meeting: MeetingRims) -> list[Finding]:
             f"{gaps.max():.3g} mm at most: strips across it hold what is between the points"
         )
     return [Finding("rims-meet", Severity.NOTE, f"{text}.")]
-
-
-def seam_marks(pattern: CreasePattern, meeting: MeetingRims) -> list[Layer]:
-    """The numbers, engraved beside their vertices on both sheets, where there is room."""
-    from fab.sheets.labels import engraved
-    from fab.sheets.piece_labels import SeamNumbers, number_labels
-
-    edges = meeting.edges.T.ravel()
-    lines = pattern.vertices_coords[pattern.edges_vertices[edges]].copy()
-    count = len(meeting.edges)
-    # the first edge starts at its vertex, the second one ends there
-    lines[:count, 1] = lines[:count, 0] + _BESIDE * (lines[:count, 1] - lines[:count, 0])
-    lines[count:, 0] = lines[count:, 1] + _BESIDE * (lines[count:, 0] - lines[count:, 1])
-    numbers = SeamNumbers(np.tile(np.arange(1, count + 1), 2), pattern.edges_faces[edges, 0], lines)
-    labels = number_labels(pattern, numbers, _LABEL_MM)
-    return [engraved([label for label in labels if label is not None])]

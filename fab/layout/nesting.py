@@ -132,7 +132,7 @@ def nest(
     outlines: Sequence[shapely.Polygon | FloatArray],
     bed_mm: tuple[float, float],
     gap_mm: float,
-    copies: int = 1,
+    copies: int | Sequence[int] = 1,
     margin_mm: float = 0.0,
     progress: Steps = no_steps,
     *,
@@ -152,6 +152,7 @@ def nest(
         (m, 2).
     bed_mm : width and height of the bed.
     gap_mm : least distance of two pieces.
+    copies : of all pieces, or of each.
     margin_mm : least distance of a piece from the bed's edges.
     progress : called after each batch with the number of pieces placed and of all.
     rotations_deg : by which pieces may be turned, at least one; None for any: see above.
@@ -167,7 +168,13 @@ def nest(
     """
     room = _room(bed_mm, margin_mm)
     require_positive("gap_mm", gap_mm, "Pieces that touch would be cut along one line twice.")
-    require_count("copies", copies, 1, "Cut at least one of each piece.")
+    counts = [copies] * len(outlines) if isinstance(copies, int) else list(copies)
+    for count in [copies] if isinstance(copies, int) else counts:
+        require_count("copies", count, 1, "Cut at least one of each piece.")
+    if len(counts) != len(outlines):
+        raise InvalidValue(
+            "copies", counts, f"have {len(outlines)} numbers", "Give one for each piece."
+        )
     if rotations_deg is not None and not (len(rotations_deg) and np.isfinite(rotations_deg).all()):
         raise InvalidValue(
             "rotations_deg", list(rotations_deg), "be one angle or more", "Give [0] for no turn."
@@ -176,7 +183,7 @@ def nest(
         _piece(number, outline, room, rotations_deg) for number, outline in enumerate(outlines)
     ]
     filling = _Filling(pieces, room, gap_mm)
-    left = np.full(len(pieces), copies)
+    left = np.array(counts, np.int64)
     total = int(left.sum())
     filled: list[list[_Spot]] = []
     while left.any():

@@ -11,7 +11,10 @@ Pieces:
 
 - `pieces`: the pattern in pieces that fit the bed; `piece_patterns`: each as a pattern of its own.
 - `seams`: where pieces are glued together.
-- `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters.
+- `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters;
+  `rim_points`: numbers where rims of sheets meet.
+
+- `cut_pieces`: all pieces of a pattern with the lines along which they are cut.
 
 Lines to cut:
 
@@ -24,6 +27,7 @@ Lines to cut:
 
 Work on the machine:
 
+- `sheet_drawings`: pieces placed on sheets, drawn, and what the report says of them.
 - `registration`: front and back of a sheet scored on both sides.
 - `cutting_order`: the order of lines, by `tours` with little travel; `work_estimate`: time.
 - `coupon`: a test card for a material on a machine.

@@ -9,10 +9,10 @@ import shapely
 
 from fab.geometry.boxes import smallest_box
 from fab.pattern.crease_pattern import CreasePattern
-from fab.sheets.labels import Label, LabelPlaces, fitted, highest, number_text
+from fab.sheets.labels import Label, LabelPlaces, fitted, highest
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["READABLE_MM", "SeamNumbers", "number_labels", "piece_labels"]
+__all__ = ["READABLE_MM", "EdgeTexts", "number_labels", "piece_labels"]
 
 # Smaller letters cannot be read.
 READABLE_MM = 1.0
@@ -25,23 +25,23 @@ _NAME_HEIGHT = 2.0
 
 
 @dataclass(frozen=True)
-class SeamNumbers:
+class EdgeTexts:
     """Numbers that are to be engraved beside lines.
 
     Attributes
     ----------
-    numbers : shape (n,).
+    texts : n of them.
     faces : the face that each is engraved on, shape (n,).
     lines : the line that it is read along, with its face to the left, mm, shape (n, 2, 2).
     """
 
-    numbers: IntArray
+    texts: tuple[str, ...]
     faces: IntArray
     lines: FloatArray
 
 
 def piece_labels(
-    pattern: CreasePattern, name: str, face_count: int, seams: SeamNumbers, label_mm: float
+    pattern: CreasePattern, name: str, face_count: int, seams: EdgeTexts, label_mm: float
 ) -> tuple[Label | None, ...]:
     """The label of a piece's name, and one for each seam's number; None where there is no room.
 
@@ -56,12 +56,12 @@ def piece_labels(
     rooms = _rooms(pattern)
     widest, middle, slant = _place_for(name, rooms[:face_count], seams.faces)
     direction = seams.lines[:, 1] - seams.lines[:, 0]
-    height = np.full(1 + len(seams.numbers), label_mm)
+    height = np.full(1 + len(seams.texts), label_mm)
     height[0] *= _NAME_HEIGHT
     hang = np.ones(len(height))
     hang[0] = 0.0
     places = LabelPlaces(
-        [name, *(number_text(number) for number in seams.numbers.tolist())],
+        [name, *seams.texts],
         np.concatenate([middle[None], seams.lines.mean(axis=1)]),
         np.concatenate([[slant], np.arctan2(direction[:, 1], direction[:, 0])]),
         [rooms[face] for face in [widest, *seams.faces.tolist()]],
@@ -72,18 +72,18 @@ def piece_labels(
 
 
 def number_labels(
-    pattern: CreasePattern, seams: SeamNumbers, label_mm: float
+    pattern: CreasePattern, seams: EdgeTexts, label_mm: float
 ) -> tuple[Label | None, ...]:
     """Labels of numbers alone, at most `label_mm` high; as `piece_labels` without a name."""
     rooms = _rooms(pattern)
     direction = seams.lines[:, 1] - seams.lines[:, 0]
     places = LabelPlaces(
-        [number_text(number) for number in seams.numbers.tolist()],
+        seams.texts,
         seams.lines.mean(axis=1),
         np.arctan2(direction[:, 1], direction[:, 0]),
         [rooms[face] for face in seams.faces.tolist()],
-        np.full(len(seams.numbers), label_mm),
-        np.ones(len(seams.numbers)),
+        np.full(len(seams.texts), label_mm),
+        np.ones(len(seams.texts)),
     )
     return fitted(places, READABLE_MM)
 

@@ -12,14 +12,15 @@ from fab.layout.face_sets import SheetToDivide, extent
 from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.glue_tabs import Tabs
 from fab.sheets.labels import Label, number_text
-from fab.sheets.piece_labels import SeamNumbers, piece_labels
+from fab.sheets.piece_labels import EdgeTexts, piece_labels
+from fab.sheets.rim_points import RimPoints
 from fab.sheets.seams import SeamSides, places_of
 from solver.graphs import EdgeIndex
 from solver.mesh import Edges, edges_of
 from solver.polygons import face_normals
 from solver.vectors import FloatArray, IntArray, cross, unit
 
-__all__ = ["Division", "Piece"]
+__all__ = ["Before", "Division", "Piece"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,23 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class Before:
+    """What other patterns have that are cut with one.
+
+    Attributes
+    ----------
+    pieces, seams, points : how many are named already; points are those where rims meet.
+    placed, dashes : how many pieces and dashes all copies of the others have.
+    """
+
+    pieces: int = 0
+    seams: int = 0
+    points: int = 0
+    placed: int = 0
+    dashes: int = 0
+
+
+@dataclass(frozen=True)
 class Division:
     """A sheet, and how its pieces are joined again.
 
@@ -55,12 +73,16 @@ class Division:
     sides : the seams between pieces, whose numbers rise in the order of assembling.
     tabs : of the seams.
     label_mm : greatest height of numbers.
+    points : where rims of the sheet meet, by edges of the whole pattern.
+    before : what others have that are cut with it.
     """
 
     sheet: SheetToDivide
     sides: SeamSides
     tabs: Tabs
     label_mm: float
+    points: RimPoints
+    before: Before
 
     def piece(self, number: int, faces: IntArray) -> Piece:
         """The pattern of a set of faces and its tabs, laid upright, and what is engraved on it."""
@@ -100,7 +122,7 @@ class Division:
             folded,
         )
         whole_edges = np.concatenate([whole_edges, loose])
-        name = piece_name(number)
+        name = piece_name(self.before.pieces + number)
         texts, labels = self._labels(pattern, number, len(faces), whole_edges, tabs)
         return Piece(
             name,
@@ -156,23 +178,37 @@ class Division:
         whole_edges: IntArray,
         tabs: IntArray,
     ) -> tuple[list[str], tuple[Label | None, ...]]:
-        """Texts of a piece's name and of all its seams, and their labels; then those on its tabs.
+        """Texts of a piece's name, seams and rim, and their labels; then those on its tabs.
 
         Each number is beside its edge; on a tab it is below the seam.
         """
         seam, side = np.nonzero(self.sides.pieces == number)
         edges = places_of(self.sides.edges[seam, side], whole_edges)
         tab_edges = places_of(self.sides.edges[tabs, self.tabs.side[tabs]], whole_edges)
-        ends = pattern.vertices_coords[pattern.edges_vertices[edges]]
-        tab_ends = pattern.vertices_coords[pattern.edges_vertices[tab_edges]][:, ::-1]
-        seams = SeamNumbers(
-            np.concatenate([seam, tabs]) + 1,
-            np.concatenate([pattern.edges_faces[edges, 0], face_count + np.arange(len(tabs))]),
-            np.concatenate([ends, tab_ends]),
+        points = self.points.chosen(np.isin(self.points.edges, whole_edges))
+        rim = places_of(points.edges, whole_edges)
+
+        def ends(own: IntArray) -> FloatArray:
+            out: FloatArray = pattern.vertices_coords[pattern.edges_vertices[own]]
+            return out
+
+        def numbers(seams: IntArray) -> list[str]:
+            return [number_text(self.before.seams + 1 + seam) for seam in seams.tolist()]
+
+        name = piece_name(self.before.pieces + number)
+        beside = [*numbers(seam), *points.texts]
+        every = EdgeTexts(
+            (*beside, *numbers(tabs)),
+            np.concatenate(
+                [
+                    pattern.edges_faces[edges, 0],
+                    pattern.edges_faces[rim, 0],
+                    face_count + np.arange(len(tabs)),
+                ]
+            ),
+            np.concatenate([ends(edges), points.lines(ends(rim)), ends(tab_edges)[:, ::-1]]),
         )
-        name = piece_name(number)
-        texts = [name, *(number_text(s + 1) for s in seam.tolist())]
-        return texts, piece_labels(pattern, name, face_count, seams, self.label_mm)
+        return [name, *beside], piece_labels(pattern, name, face_count, every, self.label_mm)
 
 
 def _ending_within(whole: CreasePattern, faces: IntArray) -> IntArray:

@@ -17,11 +17,13 @@ from fab.layout.face_sets import SheetToDivide, outer_corners
 from fab.layout.partition import partition
 from fab.pattern.closing_edges import closing_edges, closing_edges_by_angles
 from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.meeting_rims import MeetingRims
 from fab.progress import Steps, no_steps
 from fab.settings import Settings
 from fab.sheets.glue_tabs import Tabs, glue_tabs
 from fab.sheets.piece_labels import READABLE_MM
-from fab.sheets.piece_patterns import Division, Piece
+from fab.sheets.piece_patterns import Before, Division, Piece
+from fab.sheets.rim_points import RimPoints, rim_points
 from fab.sheets.seams import Seam, numbered_seams, seam_sides
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import FloatArray, IntArray
@@ -81,6 +83,9 @@ def split(
     settings: SheetSplit,
     bed_mm: tuple[float, float],
     progress: Steps = no_steps,
+    *,
+    meeting: MeetingRims | None = None,
+    before: Before = Before(),  # noqa: B008 (it is frozen)
 ) -> tuple[Pieces, list[Finding]]:
     """Pieces that fit the bed and overlap nowhere, with tabs and labels.
 
@@ -90,6 +95,8 @@ def split(
     pattern knows, or that its fold angles give where they close.
 
     bed_mm : width and height. progress : each face is set apart, then drawn, a step each.
+    meeting : where rims of the pattern meet; these points get numbers, "p1" and so on where
+    there are seams too. before : what others have that are cut with it; names and numbers go on.
 
     Raises `InvalidValue` for a bed smaller than a face with its tabs, or a face without area.
     """
@@ -109,14 +116,23 @@ def split(
         if settings.tabs
         else Tabs.none(len(sides))
     )
-    division = Division(sheet, sides, tabs, settings.label_mm)
+    points = (
+        RimPoints.none()
+        if meeting is None
+        else rim_points(
+            meeting, "p" if len(sides) else "", pattern.edges_vertices[closing], before.points
+        )
+    )
+    division = Division(sheet, sides, tabs, settings.label_mm, points, before)
     pieces: list[Piece] = []
     drawn = pattern.face_count
     for number, faces in enumerate(sets):
         pieces.append(division.piece(number, faces))
         drawn += len(faces)
         progress(drawn, steps)
-    seams = numbered_seams(pattern, [piece.edges for piece in pieces], sides, tabs.side)
+    seams = numbered_seams(
+        pattern, [piece.edges for piece in pieces], sides, tabs.side, before.seams
+    )
     made = Pieces(tuple(pieces), seams)
     return made, _findings(made, settings)
 

@@ -113,6 +113,7 @@ def numbered_seams(
     pieces_edges: Sequence[IntArray],
     sides: SeamSides,
     seams_tab: IntArray,
+    before: int = 0,
 ) -> tuple[Seam, ...]:
     """The seams with their labels, lengths, and the numbers of their edges in both pieces.
 
@@ -120,6 +121,7 @@ def numbered_seams(
     ----------
     pieces_edges : for each piece the numbers in the whole pattern of its edges.
     seams_tab : the side that carries the tab of each seam, -1 for none, shape (n,).
+    before : how many seams have labels already.
     """
     ends = pattern.vertices_coords[pattern.edges_vertices[sides.edges[:, 0]]]
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
@@ -128,7 +130,7 @@ def numbered_seams(
         seam, side = np.nonzero(sides.pieces == number)
         own[seam, side] = places_of(sides.edges[seam, side], edges)
     return tuple(
-        Seam(i + 1, (e, f), (p, q), (u, v), size, angle, None if tab < 0 else tab)
+        Seam(before + i + 1, (e, f), (p, q), (u, v), size, angle, None if tab < 0 else tab)
         for i, ((e, f), (p, q), (u, v), size, angle, tab) in enumerate(
             zip(
                 sides.edges.tolist(),

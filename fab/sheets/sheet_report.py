@@ -6,7 +6,7 @@ Lengths are in mm, angles in degrees, rounded to four decimals.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from fab.layout.nesting import Placements
@@ -14,7 +14,17 @@ from fab.sheets.pieces import Pieces
 from fab.sheets.sheet_request import SheetRequest
 from fab.sheets.work_estimate import Estimate
 
-__all__ = ["estimate_report", "sheet_report", "sides_report"]
+__all__ = ["PatternRow", "estimate_report", "sheet_report", "sides_report"]
+
+
+@dataclass(frozen=True)
+class PatternRow:
+    """A pattern in the report: its name, copies in all, and numbers of its pieces and seams."""
+
+    name: str
+    copies: int
+    pieces: int
+    seams: int
 
 
 def sheet_report(
@@ -23,8 +33,14 @@ def sheet_report(
     pieces: Pieces,
     placements: Placements,
     sheets: Sequence[Mapping[str, Any]],
+    patterns: Sequence[PatternRow],
 ) -> dict[str, Any]:
-    """The whole report; `sheets` : files and work of each, to which pieces and share are added."""
+    """The whole report.
+
+    sheets : files and work of each, to which pieces and share are added. patterns : those whose
+    pieces these are, one after another.
+    """
+    owners = [row.name for row in patterns for _ in range(row.pieces)]
     return {
         "name": name,
         "material": request.material.model_dump(mode="json"),
@@ -34,8 +50,10 @@ def sheet_report(
             _of_sheet(number, dict(sheet), pieces, placements)
             for number, sheet in enumerate(sheets)
         ],
+        "patterns": [asdict(row) for row in patterns],
         "pieces": [
-            {"name": piece.name, "faces": int((piece.faces >= 0).sum())} for piece in pieces.pieces
+            {"name": piece.name, "pattern": owner, "faces": int((piece.faces >= 0).sum())}
+            for piece, owner in zip(pieces.pieces, owners, strict=True)
         ],
         "glue_up": _glue_up(pieces, placements),
     }

@@ -51,7 +51,7 @@ _SHORT: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Growth", ("growth",)),
 )
 _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (
-    ("Cutting", ("copies", "minutes", "sheets")),
+    ("Cutting", ("copies", "minutes", "patterns", "sheets")),
     ("Assembly order", ("pieces", "glue_up", "seams")),
     ("Solids", ("solids",)),
     ("Plates", ("plates",)),

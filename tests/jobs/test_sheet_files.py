@@ -62,12 +62,12 @@ def with_pieces(pattern, name, machine, material="card_300gsm", **choices):
     """What is made, and the pieces that it is made of."""
     kept = []
 
-    def kept_split(*arguments):
-        kept.append(split(*arguments))
+    def kept_split(*arguments, **choices):
+        kept.append(split(*arguments, **choices))
         return kept[-1]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fab.jobs.sheet_files.split", kept_split)
+        patch.setattr("fab.sheets.cut_pieces.split", kept_split)
         made = fabricate(pattern, name, SheetRequest(load_material(material), machine, **choices))
     return kept[0][0], made
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.drawings.cut_paths import Layer, Operation
-from fab.jobs.sheet_files import sheets
 from fab.layout import nesting
 from fab.layout.nesting import Placements, nest
 from fab.pattern.development import develop
+from fab.sheets.sheet_drawings import sheets
 from solver import CurvedFold, Miura
 from solver.errors import InvalidValue
 

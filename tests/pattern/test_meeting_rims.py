@@ -5,29 +5,20 @@ import json
 import numpy as np
 import pytest
 import shapely
+from flat_patterns import strips
 
 import fab
 from fab.drawings.cut_paths import Operation
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.grow import unfolded
 from fab.jobs.job import SheetSize
-from fab.jobs.seam_report import seam_findings, seam_marks
+from fab.jobs.seam_report import seam_findings
 from fab.pattern.meeting_rims import meeting_rims
 from fab.sheets.perforation import perforate
 from fab.sheets.perforation_settings import PerforationSettings
-from solver import Miura, QuadMesh
+from fab.sheets.rim_points import rim_marks
+from solver import QuadMesh
 from solver.relaxed_fit import joined
-
-
-def strips(gap, *rows):
-    """A Miura sheet 6 quads wide in sheets of some rows each, `gap` apart, 20 mm a unit."""
-    whole = Miura(columns=6, rows=sum(rows)).grow().mesh
-    parts, start = [], 0
-    for number, count in enumerate(rows):
-        grid = whole.grid[start : start + count + 1]
-        parts.append(QuadMesh.from_rows(whole.vertices_coords[grid] + [0, 0, number * gap]))
-        start += count
-    return unfolded(joined(parts), SheetSize(scale_mm_per_unit=20.0))[1]
 
 
 def test_a_sheet_meets_itself_nowhere():
@@ -102,7 +93,7 @@ def test_numbers_are_in_the_file_and_on_both_sheets(tmp_path):
     again, findings = fab.read_pattern(tmp_path / "strips.fold")
     assert not findings
     assert meeting_rims(again).vertices.tolist() == found.vertices.tolist()
-    marks = seam_marks(pattern, found)
+    marks = rim_marks(pattern, found)
     plain, _ = perforate(pattern, PerforationSettings())
     paths, _ = perforate(pattern, PerforationSettings(), marks=marks)
     engraved, *rest = paths.layers

@@ -1,0 +1,232 @@
+"""Sheets of crease patterns: their pieces placed on beds, drawn in every format, and the report.
+
+patterns -> pieces as they are cut -> placed on beds -> front and back, if asked for
+-> order of the work, estimate -> drawings of each sheet, report
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from fab.drawings.cut_paths import CutPaths, Layer, joined
+from fab.drawings.drawing_files import SheetFormat, drawing_files
+from fab.errors import Finding, Severity, counted
+from fab.layout.nesting import Placements, nest
+from fab.progress import Progress, silent
+from fab.sheets.cut_pieces import CutPattern, PatternCopies, cut_pattern, outline
+from fab.sheets.cutting_order import tour
+from fab.sheets.piece_patterns import Before, Piece
+from fab.sheets.pieces import Pieces
+from fab.sheets.registration import how_to_turn, two_sided
+from fab.sheets.seams import Seam
+from fab.sheets.sheet_report import PatternRow, estimate_report, sheet_report, sides_report
+from fab.sheets.sheet_request import SheetRequest
+from fab.sheets.work_estimate import estimate
+
+__all__ = ["SheetDrawings", "sheet_drawings", "sheets"]
+
+
+@dataclass(frozen=True)
+class SheetDrawings:
+    """All sheets of some patterns.
+
+    Attributes
+    ----------
+    files : the drawings, by name.
+    paths : what is drawn in them, by the name of the drawing.
+    report : as in `fab.sheets.sheet_report`.
+    cut : the patterns as they are cut, in their order.
+    findings : of each pattern, and then of all sheets.
+    """
+
+    files: Mapping[str, bytes]
+    paths: Mapping[str, CutPaths]
+    report: dict[str, Any]
+    cut: tuple[CutPattern, ...]
+    findings: tuple[Finding, ...]
+
+
+def sheet_drawings(
+    patterns: Sequence[PatternCopies],
+    name: str,
+    request: SheetRequest,
+    progress: Progress = silent,
+) -> SheetDrawings:
+    """The sheets that the copies of one pattern take, or of several that lie on them together.
+
+    name : of the files, before the number of the sheet.
+
+    Raises as `fab.sheets.cut_pieces.cut_pattern` for each pattern, and `InvalidState` where G-code
+    has an operation whose power the machine does not have.
+    """
+    cut: list[CutPattern] = []
+    copies: list[int] = []
+    for wanted in patterns:
+        many = request.copies * wanted.copies
+        made = cut_pattern(
+            wanted.pattern,
+            request,
+            progress,
+            copies=many,
+            before=cut[-1].after if cut else Before(),
+            alone=len(patterns) == 1,
+        )
+        cut.append(made)
+        copies += [many] * len(made.layers)
+    layers = [piece for made in cut for piece in made.layers]
+    placements = _placed(layers, copies, request, progress)
+    drawn = []
+    beds = sheets(layers, placements, request.machine.bed_mm)
+    for number, sheet in enumerate(beds):
+        progress("order", number, len(beds))
+        drawn.append(_drawn_sheet(sheet, f"{name}_{number + 1}", request))
+    listed = [{"files": list(sheet.files), **sheet.work} for sheet in drawn]
+    rows = [
+        PatternRow(
+            wanted.name,
+            request.copies * wanted.copies,
+            len(made.pieces.pieces),
+            len(made.pieces.seams),
+        )
+        for wanted, made in zip(patterns, cut, strict=True)
+    ]
+    report = sheet_report(name, request, _together(cut), placements, listed, rows)
+    findings = (
+        *(finding for made in cut for finding in made.findings),
+        *_short_stock(len(beds), request),
+        *_unset_powers(drawn, request),
+    )
+    return SheetDrawings(
+        {file: data for sheet in drawn for file, data in sheet.files.items()},
+        {title: paths for sheet in drawn for title, paths in sheet.paths.items()},
+        report,
+        tuple(cut),
+        findings,
+    )
+
+
+def _together(cut: Sequence[CutPattern]) -> Pieces:
+    """The pieces of all patterns one after another, and their seams."""
+    pieces: list[Piece] = []
+    seams: list[Seam] = []
+    for made in cut:
+        first = len(pieces)
+        pieces += made.pieces.pieces
+        for seam in made.pieces.seams:
+            one, other = seam.pieces
+            seams.append(replace(seam, pieces=(first + one, first + other)))
+    return Pieces(tuple(pieces), tuple(seams))
+
+
+def _placed(
+    layers: Sequence[Sequence[Layer]],
+    copies: Sequence[int],
+    request: SheetRequest,
+    progress: Progress,
+) -> Placements:
+    """Where on which sheet each copy of each piece is."""
+    outlines = [outline(piece) for piece in layers]
+    progress("nest", 0, sum(copies))
+    return nest(
+        outlines,
+        request.machine.bed_mm,
+        request.gap_mm,
+        copies,
+        request.margin_mm,
+        partial(progress, "nest"),
+        rotations_deg=request.material.rotations_deg,
+    )
+
+
+def sheets(
+    pieces: Sequence[Sequence[Layer]], placements: Placements, bed_mm: tuple[float, float]
+) -> list[CutPaths]:
+    """The cut paths of every sheet: the layers of its pieces, moved and joined by operation.
+
+    `size_mm` is the bed, not the used area: the drawing's origin is the machine's, so that the
+    margin is where it was asked for, and every sheet of a job has the same place on the bed.
+    """
+    return [
+        CutPaths(
+            joined(
+                [
+                    layer.moved(item.turn, item.shift)
+                    for item in placements.items
+                    if item.sheet == sheet
+                    for layer in pieces[item.piece]
+                ]
+            ),
+            bed_mm,
+            on_bed=True,
+        )
+        for sheet in range(len(placements.used))
+    ]
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """Files of a sheet, or of one side of it, and what the report says of the work on it.
+
+    paths : what is drawn in them, by name.
+    """
+
+    files: dict[str, bytes]
+    work: dict[str, Any]
+    paths: dict[str, CutPaths]
+
+
+def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
+    """A sheet from one side, or from both where they are registered."""
+    registration, machine = request.registration, request.machine
+    if registration is None:
+        return _drawn(sheet, name, request)
+    both = two_sided(sheet, registration, machine.margin_mm, machine.kerf_mm)
+    sides = {
+        side: _drawn(paths, f"{name}_{side}", request)
+        for side, paths in zip(("front", "back"), both, strict=True)
+    }
+    files = {file: data for side in sides.values() for file, data in side.files.items()}
+    listed = {name: {"files": list(side.files), **side.work} for name, side in sides.items()}
+    turn = how_to_turn(name, registration, machine.bed_mm)
+    paths = {title: drawing for side in sides.values() for title, drawing in side.paths.items()}
+    return _Drawn(files, sides_report(listed, turn), paths)
+
+
+def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
+    """Files of a drawing, and figures of the work, in the order of the tour."""
+    ordered = tour(paths)
+    return _Drawn(
+        drawing_files(ordered, name, request.formats, request.drawing_style),
+        estimate_report(estimate(ordered, request.speeds)),
+        {name: ordered},
+    )
+
+
+def _short_stock(needed: int, request: SheetRequest) -> list[Finding]:
+    """A warning where more sheets are needed than are at hand."""
+    there = request.stock_sheets
+    if there is None or needed <= there:
+        return []
+    text = (
+        f"{counted(needed, 'sheet')} are needed, cutter.sheets = {there} at hand: get "
+        f"{needed - there} more, or ask for fewer copies or a smaller sheet."
+    )
+    return [Finding("sheets-short", Severity.WARNING, text)]
+
+
+def _unset_powers(drawn: Sequence[_Drawn], request: SheetRequest) -> list[Finding]:
+    """A note where a project for LightBurn has layers without power."""
+    every = {layer.operation for sheet in drawn for p in sheet.paths.values() for layer in p.layers}
+    settings = request.cut_settings
+    unset = [key for key in settings if key in every and settings[key].power_percent is None]
+    if SheetFormat.LBRN2 not in request.formats or not unset:
+        return []
+    text = (
+        f"the machine has no power for {', '.join(unset)}: .lbrn2 leaves them at the power that "
+        "LightBurn gives to new layers. Set it there, or give it in [powers] of a machine of your "
+        "own"
+    )
+    return [Finding("power-unset", Severity.NOTE, text)]
