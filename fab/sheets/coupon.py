@@ -17,7 +17,7 @@ from pydantic import ValidationError
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from fab.sheets.crease_cuts import cuts_along, unscaled_length
 from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle
-from fab.sheets.labels import text_outlines, text_width
+from fab.sheets.labels import text_lines, text_width
 from fab.sheets.materials import Machine, Material, perforation_for
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray
@@ -157,9 +157,7 @@ def _tongue(
 
 def _text(text: str, height_mm: float, middle: float) -> Layer:
     """A line of text in the strip below what it names, its middle at x = `middle`."""
-    return Layer(
-        Operation.ENGRAVE, outlines=text_outlines(text, height_mm, (middle, _LETTER_MM), 0.0)
-    )
+    return Layer(Operation.ENGRAVE, chains=text_lines(text, height_mm, (middle, _LETTER_MM), 0.0))
 
 
 def _comb(kerf_mm: float, thickness_mm: float) -> _Block:

@@ -1,17 +1,17 @@
-"""Labels: text that is engraved on pieces, as high as its room allows, as outlines of letters."""
+"""Labels: texts engraved on pieces in letters of single strokes, as high as their room allows."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, lru_cache
-from typing import Any
+from functools import lru_cache
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from fab.drawings.cut_paths import Layer, Operation
+from fab.sheets.stroke_letters import letter_strokes
 from solver.vectors import FloatArray
 
 __all__ = [
@@ -22,14 +22,10 @@ __all__ = [
     "highest",
     "number_text",
     "text_box",
-    "text_outlines",
+    "text_lines",
     "text_width",
 ]
 
-# The sans serif font that comes with matplotlib, so that every machine writes alike.
-_FONT = "DejaVu Sans"
-# Points per em at which curves are taken from the font: a chord leaves its arc by 1 % of a letter.
-_EM = 100.0
 # The larger of two labels that overlap is made lower by this factor.
 _SHRINK = 0.8
 # Over the size of a room: what is nearer to the line that a text is above is on it.
@@ -71,58 +67,51 @@ def number_text(number: int) -> str:
     return f"{text}." if other else text
 
 
-def _text_path(text: str) -> Any:
-    """A text as a path of matplotlib, in points, its first letter at the origin."""
-    from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import TextPath
-
-    return TextPath((0, 0), text, size=_EM, prop=FontProperties(family=_FONT))
-
-
-@cache
-def _capital() -> float:
-    """Height of digits, points."""
-    return float(_text_path("0").get_extents().height)
-
-
 @lru_cache(maxsize=4096)
-def _glyphs(text: str) -> tuple[FloatArray, ...]:
-    """Closed outlines of a text, capitals one high, its middle at the origin."""
-    rings = _text_path(text).to_polygons(closed_only=True)
-    if not rings:
+def _centred(text: str) -> tuple[FloatArray, ...]:
+    """Lines of a text, capitals one high, its middle at the origin."""
+    lines = letter_strokes(text)
+    if not lines:
         return ()
-    every = np.concatenate(rings)
+    every = np.concatenate(lines)
     middle = (every.min(axis=0) + every.max(axis=0)) / 2
-    return tuple((np.asarray(ring)[:-1] - middle) / _capital() for ring in rings)
+    return tuple(line - middle for line in lines)
 
 
 def text_width(text: str) -> float:
     """Width of a text whose capitals are one high."""
-    rings = _glyphs(text)
-    return float(np.ptp(np.concatenate(rings)[:, 0])) if rings else 0.0
+    lines = _centred(text)
+    return float(np.ptp(np.concatenate(lines)[:, 0])) if lines else 0.0
 
 
-def text_outlines(
-    text: str, height_mm: float, at: tuple[float, float], angle_deg: float
+def text_lines(
+    text: str,
+    height_mm: float,
+    at: tuple[float, float],
+    angle_deg: float,
+    *,
+    mirrored: bool = False,
 ) -> tuple[FloatArray, ...]:
-    """Letters as closed outlines, each of shape (m, 2), the first vertex not repeated.
+    """Letters as open lines, each of shape (m, 2).
 
     height_mm : of capitals and digits; at : middle of the text, mm; angle_deg : direction in which
-    it is read.
+    it is read. mirrored : left and right of the text exchanged, in the same room.
     """
     c, s = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-    turn = height_mm * np.array([[c, -s], [s, c]])
-    return tuple(ring @ turn.T + np.array(at) for ring in _glyphs(text))
+    turn = height_mm * np.array([[c, -s], [s, c]]) @ np.diag([-1.0 if mirrored else 1.0, 1.0])
+    return tuple(line @ turn.T + np.array(at) for line in _centred(text))
 
 
-def engraved(labels: Sequence[Label]) -> Layer:
-    """The layer with the lines of labels."""
-    outlines = (
-        outline
+def engraved(labels: Sequence[Label], *, mirrored: bool = False) -> Layer:
+    """The layer with the lines of labels; mirrored ones are read on a sheet that is mirrored."""
+    lines = (
+        line
         for label in labels
-        for outline in text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
+        for line in text_lines(
+            label.text, label.height_mm, label.at, label.angle_deg, mirrored=mirrored
+        )
     )
-    return Layer(Operation.ENGRAVE, outlines=tuple(outlines))
+    return Layer(Operation.ENGRAVE, chains=tuple(lines))
 
 
 def highest(
@@ -160,8 +149,8 @@ def highest(
 
 def text_box(text: str) -> tuple[float, float]:
     """Width and height of what a text keeps free, its capitals one high."""
-    rings = _glyphs(text)
-    height = float(np.ptp(np.concatenate(rings)[:, 1])) if rings else 0.0
+    lines = _centred(text)
+    height = float(np.ptp(np.concatenate(lines)[:, 1])) if lines else 0.0
     return text_width(text) + 0.4, max(_BOX_HEIGHT, height + _BELOW)
 
 

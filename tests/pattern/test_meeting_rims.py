@@ -100,8 +100,8 @@ def test_numbers_are_in_the_file_and_on_both_sheets(tmp_path):
     assert engraved.operation is Operation.ENGRAVE
     for one, other in zip(rest, plain.layers, strict=True):
         np.testing.assert_array_equal(one.segments, other.segments)
-    assert len(engraved.outlines) >= 14  # each number on either sheet, and on no crease
+    assert len(engraved.chains) >= 14  # each number on either sheet, and on no crease
     low = np.concatenate([ring for layer in rest for ring in layer.outlines]).min(axis=0)
     assert low == pytest.approx([0, 0])
     creases = shapely.multilinestrings(np.concatenate([layer.segments for layer in rest[:2]]))
-    assert not any(shapely.intersects(creases, shapely.linearrings(r)) for r in engraved.outlines)
+    assert not any(shapely.intersects(creases, shapely.linestrings(r)) for r in engraved.chains)

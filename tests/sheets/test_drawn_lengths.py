@@ -14,7 +14,7 @@ from fab.drawings.cut_paths import Operation
 from fab.errors import InvalidFile
 from fab.formats.drawn.importer import pattern_of_lines
 from fab.sheets.crease_styles import DashStyle, ScoreStyle
-from fab.sheets.labels import text_outlines
+from fab.sheets.labels import text_lines
 from fab.sheets.perforation import cut_piece
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.pieces import SheetSplit, split
@@ -115,8 +115,8 @@ def test_labels_keep_clear_of_lines_that_end_in_their_face():
         (label,) = piece.labels
         letters = shapely.union_all(
             [
-                shapely.Polygon(ring)
-                for ring in text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
+                shapely.LineString(ring)
+                for ring in text_lines(label.text, label.height_mm, label.at, label.angle_deg)
             ]
         )
         edges = piece.pattern.vertices_coords[piece.pattern.edges_vertices]

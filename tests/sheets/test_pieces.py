@@ -17,8 +17,9 @@ from fab.jobs.job import load_job
 from fab.pattern.crease_pattern import CreasePattern, assignments, crease_pattern, fold_angles_deg
 from fab.pattern.development import develop
 from fab.pattern.overlap import overlapping_faces
-from fab.sheets.labels import highest, number_text, text_box, text_outlines, text_width
+from fab.sheets.labels import highest, number_text, text_box, text_lines, text_width
 from fab.sheets.pieces import Pieces, SheetSplit, split
+from fab.sheets.stroke_letters import letter_strokes, writable
 from solver import Crumpled, CurvedFold, InvalidValue, Miura, QuadMesh
 from solver.mesh import boundary_loops, edges_of
 
@@ -167,7 +168,7 @@ def check_labels(piece) -> None:
     faces = shapely.buffer(polygons_of(own), 1e-6, join_style="mitre")
     boxes = []
     for label in piece.labels:
-        rings = text_outlines(label.text, label.height_mm, label.at, label.angle_deg)
+        rings = text_lines(label.text, label.height_mm, label.at, label.angle_deg)
         every = np.concatenate(rings)
         assert label.height_mm >= 1
         assert (shapely.covers(faces, shapely.multipoints(every))).any(), "crosses a crease"
@@ -496,7 +497,7 @@ def test_the_highest_text_touches_the_room_and_stays_inside(seed, slant):
 
 @pytest.mark.parametrize("text", ["A", "J", "Q", "17", "JQ"])
 def test_letters_lie_in_their_box(text):
-    every = np.concatenate(text_outlines(text, 1.0, (0.0, 0.0), 0.0))
+    every = np.concatenate(text_lines(text, 1.0, (0.0, 0.0), 0.0))
     assert (np.abs(every).max(axis=0) < np.array(text_box(text)) / 2).all()
 
 
@@ -614,19 +615,32 @@ def test_numbers_that_are_others_upside_down_have_a_full_stop():
         read = "".join(turned.get(digit, "?") for digit in reversed(str(n)))
         other = "?" not in read and read[0] != "0" and int(read) != n
         assert other == (n in stopped)
-    assert len(text_outlines("6.", 4.0, (0.0, 0.0), 0.0)) == 3
+    assert len(text_lines("6.", 4.0, (0.0, 0.0), 0.0)) == len(text_lines("6", 4.0, (0, 0), 0)) + 1
 
 
 def test_letters_have_their_height_middle_and_direction():
-    rings = text_outlines("A1", 4.0, (10.0, 20.0), 0.0)
+    rings = text_lines("A1", 4.0, (10.0, 20.0), 0.0)
     every = np.concatenate(rings)
     assert np.ptp(every[:, 1]) == pytest.approx(4.0, rel=0.1)
     assert (every.min(axis=0) + every.max(axis=0)) / 2 == pytest.approx([10, 20])
     assert np.ptp(every[:, 0]) > np.ptp(every[:, 1])
-    upward = np.concatenate(text_outlines("A1", 4.0, (10.0, 20.0), 90.0))
+    upward = np.concatenate(text_lines("A1", 4.0, (10.0, 20.0), 90.0))
     arm = every - [10, 20]
     assert upward == pytest.approx(np.column_stack([10 - arm[:, 1], 20 + arm[:, 0]]))
-    assert len(rings) == 3  # the A has a hole
+    assert all(len(line) > 2 for line in rings)
+    mirrored = np.concatenate(text_lines("A1", 4.0, (10.0, 20.0), 0.0, mirrored=True))
+    assert mirrored == pytest.approx(every * [-1, 1] + [20, 0])
+
+
+def test_every_printable_character_has_strokes_and_others_a_line_below():
+    for code in range(33, 127):
+        assert letter_strokes(chr(code)), chr(code)
+    for letter in "ÄÖÜäöüßéèñçåøæ":
+        assert writable(letter) == letter
+        assert len(letter_strokes(letter)) >= 1
+    assert writable("a\u0308") == "ä"
+    assert writable("紙 1") == "_ 1"
+    assert letter_strokes("") == letter_strokes(" ") == ()
 
 
 def test_progress_is_reported_up_to_the_last_face_and_can_interrupt():

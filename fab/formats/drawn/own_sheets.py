@@ -39,10 +39,13 @@ _LEAST_SINE = 0.1
 _TRIALS = 500
 
 
-def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[bool]) -> LineSoup:
+def recovered_sheet(
+    soup: LineSoup, operations: Sequence[str], closed: Sequence[bool], bent: Sequence[bool]
+) -> LineSoup:
     """The pattern of a sheet: whole creases that reach their vertices, outlines, slits.
 
-    operations : the layer of each element; closed : whether it is an outline.
+    operations : the layer of each element; closed : whether it is an outline; bent : whether it is
+    one line of several sides, such as a stroke of a letter.
 
     Labels and relief holes are left out with a count. Flat creases that are not drawn cannot come
     back.
@@ -52,12 +55,13 @@ def recovered_sheet(soup: LineSoup, operations: Sequence[str], closed: Sequence[
     letters = np.array([_LETTERS.get(str(name), "U") for name in layer.tolist()], dtype="U1")
     outline = ring & np.isin(layer, ["HOLE", "CUT"])
     letters[outline] = "B"
-    label = ring & (layer == "ENGRAVE")
+    one = ring | np.array(bent, dtype=bool)[soup.lines_element]
+    label = one & (layer == "ENGRAVE")
     hole = layer == "RELIEF"
     findings = []
     holes = len(np.unique(soup.lines_element[hole]))
     marks = len(np.unique(soup.lines_element[label]))
-    for count, what in ((holes, "relief hole"), (marks, "engraved outline of letters")):
+    for count, what in ((holes, "relief hole"), (marks, "engraved line of letters")):
         if count:
             first, _, rest = what.partition(" of ")
             name = first + ("" if count == 1 else "s") + (f" of {rest}" if rest else "")

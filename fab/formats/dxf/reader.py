@@ -123,7 +123,9 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
             f"{path}: the blocks, layers or layouts of the DXF file are damaged: "
             f"{shown(str(error))}. Export it again."
         ) from error
-    lines, element, closed, curves = _lines(path, drawn, left_out, mm or options.mm_per_unit or 1.0)
+    lines, element, closed, bent, curves = _lines(
+        path, drawn, left_out, mm or options.mm_per_unit or 1.0
+    )
     findings += [*spaces, *_left_out_findings(left_out), *curves]
     if not len(lines):
         what = " ".join(finding.text for finding in findings)
@@ -146,7 +148,7 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     )
     layers = [one.layer for one in drawn]
     if {"CUT"} < set(layers) <= set(OPERATIONS):
-        return recovered_sheet(soup, layers, closed)
+        return recovered_sheet(soup, layers, closed, bent)
     return join_dashes(soup)
 
 
@@ -305,16 +307,16 @@ def _hex(rgb: Any) -> str | None:
 
 def _lines(
     path: Path, drawn: list[_Drawn], left_out: _LeftOut, mm_per_unit: float
-) -> tuple[FloatArray, IntArray, list[bool], list[Finding]]:
-    """Lines of shape (n, 2, 3), the entity of each, which entities are closed, and how far curves
-    are off.
+) -> tuple[FloatArray, IntArray, list[bool], list[bool], list[Finding]]:
+    """Lines of shape (n, 2, 3), the entity of each, which entities are closed, which have several
+    sides, and how far curves are off.
 
     Entities whose numbers make no line are counted in `left_out`.
     """
     rough = [_points(one, np.inf, left_out) for one in drawn]
     filled = [points for points in rough if len(points)]
     if not filled:
-        return np.zeros((0, 2, 3)), np.zeros(0, np.int64), [], []
+        return np.zeros((0, 2, 3)), np.zeros(0, np.int64), [], [], []
     low = np.min([points.min(axis=0) for points in filled], axis=0)
     high = np.max([points.max(axis=0) for points in filled], axis=0)
     with np.errstate(over="ignore"):
@@ -340,7 +342,8 @@ def _lines(
         text = f"{what} flattened within {tolerance * mm_per_unit:.3g} mm."
         findings.append(Finding("curves-flattened", Severity.NOTE, text))
     closed = [len(points) > 3 and bool((points[0] == points[-1]).all()) for points in rough]
-    return np.concatenate(parts), element, closed, findings
+    bent = [len(points) > 2 for points in rough]
+    return np.concatenate(parts), element, closed, bent, findings
 
 
 def _points(one: _Drawn, tolerance: float, left_out: _LeftOut) -> FloatArray:

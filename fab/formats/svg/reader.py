@@ -122,7 +122,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     if _is_own(root):
         operations = tuple(shape.operation for shape in taken)
         closed = tuple(shape.drawn.closed for shape in taken)
-        soup = recovered_sheet(soup, operations, closed)
+        bent = tuple([len(run) > 2 for run in shape.drawn.runs] == [True] for shape in taken)
+        soup = recovered_sheet(soup, operations, closed, bent)
     else:
         soup = join_dashes(soup)
     if not len(soup.lines_coords):
