@@ -144,20 +144,31 @@ def _far_off(growth: Growth) -> list[Finding]:
     return [Finding("far-from-surface", Severity.WARNING, text)]
 
 
-def overlap_findings(overlaps: IntArray) -> list[Finding]:
-    """Faces that share area when the sheet is flat; overlaps : pairs of them, shape (n, 2)."""
+def overlap_findings(overlaps: IntArray, *, in_pieces: bool = False) -> list[Finding]:
+    """Faces that share area when the sheet is flat.
+
+    overlaps : pairs of them, shape (n, 2). in_pieces : whether all that is made of it is cut into
+    pieces that do not overlap, so that it is no error.
+    """
     if not len(overlaps):
         return []
     first, second = overlaps[0]
-    pairs = counted(len(overlaps), "pair")
+    text = (
+        f"the flat sheet overlaps itself: {counted(len(overlaps), 'pair')} of faces share area, "
+        f"the first are {first} and {second}. "
+    )
+    text += (
+        "It is cut into pieces that do not."
+        if in_pieces
+        else "It cannot be cut or printed as one sheet: `quadfold fabricate` cuts its FOLD file "
+        "into pieces for a laser cutter; for panels, grow fewer columns or strips, or change the "
+        "angles."
+    )
     return [
         Finding(
             "development-overlaps",
-            Severity.ERROR,
-            f"the flat sheet overlaps itself: {pairs} of faces share area, the first are {first} "
-            f"and {second}. It cannot be cut or printed as one sheet: `quadfold fabricate` cuts "
-            "its FOLD file into pieces for a laser cutter; for panels, grow fewer columns or "
-            "strips, or change the angles.",
+            Severity.NOTE if in_pieces else Severity.ERROR,
+            text,
             panels=first_few(sorted({int(face) for face in overlaps[:10].ravel()})),
         )
     ]

@@ -262,7 +262,7 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
     names = sheet.settings.outputs if formats is None else formats
     wanted = set(formats_among(names, Format, "format"))
     parts = [
-        _growth(sheet),
+        _growth(sheet, wanted),
         _measures(sheet, clock),
         _goals(sheet),
         _seams(sheet),
@@ -288,8 +288,11 @@ def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
     return with_report(files, JOB.report_name(sheet.settings.name), report, findings)
 
 
-def _growth(sheet: Sheet) -> _Part:
-    overlaps, growth = overlap_findings(sheet.overlaps), sheet.growth
+def _growth(sheet: Sheet, wanted: Collection[Format]) -> _Part:
+    sheets = sheet.settings.cutter is not None and any(Format(k) in wanted for k in SheetFormat)
+    in_pieces = sheets and not any(kind in wanted for kind in _SOLID)
+    overlaps = overlap_findings(sheet.overlaps, in_pieces=in_pieces)
+    growth = sheet.growth
     if growth is None:
         return _Part(findings=overlaps, report={"growth": None})
     report = growth_report(growth, _mm_per_unit(sheet))

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from fab.drawings.drawing_files import USUAL, SheetFormat
 from fab.settings import Settings, apply_change, checked
-from fab.sheets.materials import Material, load_machine, load_material
+from fab.sheets.materials import Degrees, Machine, Material, load_machine, load_material
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.registration import Registration
 from fab.sheets.sheet_request import SheetRequest
@@ -30,6 +30,20 @@ class CutterSettings(Settings):
     two_sided: bool = Field(
         default=False, description="creases are scored on the side on which they open"
     )
+    margin_mm: float | None = Field(
+        default=None, ge=0, le=500, description="of the bed, kept free; that of the machine"
+    )
+    piece_gap_mm: float | None = Field(
+        default=None,
+        gt=0,
+        le=500,
+        description="kept free between two pieces; 2 mm, or 4 kerfs, where left out",
+    )
+    grain_deg: Degrees | None = Field(
+        default=None,
+        description="direction in the pattern that is to lie along the grain, 0 for x; pieces are "
+        "turned freely where left out, unless the material forbids it",
+    )
 
     def request(
         self,
@@ -39,11 +53,14 @@ class CutterSettings(Settings):
         page: bool = True,
         folder: Path = Path(),
     ) -> SheetRequest:
-        """The sheets that are asked for. Raises `InvalidJob` for unknown materials and machines.
+        """The sheets that are asked for.
 
         formats : of the drawings. perforation : its keys that were given prevail over those of the
         material. page : whether a result page is made. folder : where files that the settings name
         are looked for.
+
+        Raises `InvalidJob` for unknown materials and machines and for a margin that leaves nothing
+        of the bed, `InvalidState` as `SheetRequest`.
         """
 
         def place(name: str) -> str | Path:
@@ -51,13 +68,23 @@ class CutterSettings(Settings):
 
         return SheetRequest(
             _with_creases(load_material(place(self.material)), perforation),
-            load_machine(place(self.machine)),
+            _with_margin(load_machine(place(self.machine)), self.margin_mm),
             self.copies,
             Registration() if self.two_sided else None,
             formats,
             page,
             stock_sheets=self.sheets,
+            grain_deg=self.grain_deg,
+            piece_gap_mm=self.piece_gap_mm,
         )
+
+
+def _with_margin(machine: Machine, margin_mm: float | None) -> Machine:
+    """The machine with another margin. Raises `InvalidJob` for one that leaves nothing."""
+    if margin_mm is None:
+        return machine
+    document = {**machine.model_dump(), "margin_mm": margin_mm}
+    return checked(Machine, document, "[cutter]", "Lower margin_mm.")
 
 
 def _with_creases(material: Material, perforation: PerforationSettings | None) -> Material:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
@@ -11,6 +11,7 @@ from fab.catalogue import CURE, Bedded, Described, load_described
 from fab.drawings.dxf import DxfVersion
 from fab.drawings.layer_colours import Colours
 from fab.drawings.svg import STROKE_MM
+from fab.errors import did_you_mean
 from fab.settings import Settings
 from fab.sheets.crease_styles import ScoreStyle
 from fab.sheets.perforation_settings import PerforationSettings
@@ -26,8 +27,10 @@ __all__ = [
 ]
 
 Percent = Annotated[float, Field(ge=0, le=100)]
-Rotations = Annotated[list[Annotated[float, Field(ge=-360, le=360)]], Field(min_length=1)]
+Degrees = Annotated[float, Field(ge=-360, le=360)]
 
+# Words for rotations; None for any.
+_TURNS_DEG = {"any": None, "half turns": [0.0, 180.0], "none": [0.0]}
 # What a material must state about its creases; the rest takes the defaults of a job.
 _OF_MATERIALS = ("margin_mm", "mountain", "valley")
 
@@ -48,12 +51,27 @@ class Material(Described):
     cut_speed_ratio: float = Field(
         gt=0, le=10, description="speed of cutting through, over that of the machine (300 gsm card)"
     )
-    rotations_deg: Rotations | None = Field(
+    rotations_deg: Annotated[list[Degrees], Field(min_length=1)] | None = Field(
         default=None,
-        description="by which pieces may be turned on the sheet, as its grain allows, such as "
-        "[0.0, 180.0]; by any angle where left out",
+        description="by which pieces may be turned on the sheet: any, half turns, none, or a list "
+        "such as [0.0, 180.0]",
+    )
+    grain_deg: Degrees | None = Field(
+        default=None,
+        description="direction of the grain of the sheet as it lies on the bed: 0 along x, 90 "
+        "along y; left out where it has none",
     )
     perforation: PerforationSettings = Field(description="as in a job")
+
+    @field_validator("rotations_deg", mode="before")
+    @classmethod
+    def _in_words(cls, rotations: Any) -> Any:
+        if not isinstance(rotations, str):
+            return rotations
+        if rotations not in _TURNS_DEG:
+            hint = did_you_mean(rotations, _TURNS_DEG)
+            raise ValueError(f"must be one of {', '.join(_TURNS_DEG)}, or a list of angles.{hint}")
+        return _TURNS_DEG[rotations]
 
     @field_validator("perforation")
     @classmethod

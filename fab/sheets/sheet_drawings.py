@@ -137,7 +137,7 @@ def _placed(
         copies,
         request.margin_mm,
         partial(progress, "nest"),
-        rotations_deg=request.material.rotations_deg,
+        rotations_deg=request.rotations_deg,
     )
 
 

@@ -40,9 +40,12 @@ class SheetRequest:
         dashes, whatever the machine's profile.
     page : whether a result page shows them.
     stock_sheets : how many sheets are at hand; None where that is not known.
+    grain_deg : direction in the pattern that is to lie along the grain of the sheet, 0 for x; None
+        where it matters no more than the rotations of the material say.
+    piece_gap_mm : kept free between two pieces; None for 2 mm, or 4 kerfs of a wide beam.
 
     Raises `InvalidValue` for copies that are no such number, `InvalidState` for G-code of a machine
-    that has no power to cut with.
+    that has no power to cut with, and for a grain that the material does not have.
     """
 
     material: Material
@@ -52,6 +55,8 @@ class SheetRequest:
     formats: Sequence[SheetFormat] = USUAL
     page: bool = True
     stock_sheets: int | None = None
+    grain_deg: float | None = None
+    piece_gap_mm: float | None = None
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")
@@ -61,6 +66,13 @@ class SheetRequest:
                 "the machine has no powers.cut_percent, and G-code has to state powers",
                 "Give cut_percent, perforate_percent, score_percent and engrave_percent in "
                 "[powers] of a machine of your own.",
+            )
+        if self.grain_deg is not None and self.material.grain_deg is None:
+            raise InvalidState(
+                "cutter.grain_deg",
+                f"grain_deg = {self.grain_deg:g}: the material has no grain to lie along",
+                "Give grain_deg, 0.0 for along the bed's x axis, in a material of your own, or "
+                "leave grain_deg of [cutter] out.",
             )
 
     @property
@@ -72,7 +84,22 @@ class SheetRequest:
     @property
     def gap_mm(self) -> float:
         """Kept free between two pieces on a sheet."""
+        if self.piece_gap_mm is not None:
+            return self.piece_gap_mm
         return max(_GAP_MM, _GAP_KERFS * self.machine.kerf_mm)
+
+    @property
+    def rotations_deg(self) -> tuple[float, ...] | None:
+        """By which pieces are turned on the bed, in degrees, so that they keep the grain.
+
+        The grain of the pattern, x where nothing else is said, comes to lie along that of the
+        material; from there pieces turn as the material allows. None for any angle.
+        """
+        turns, grain = self.material.rotations_deg, self.grain_deg
+        if turns is None and grain is None:
+            return None
+        along = (self.material.grain_deg or 0.0) - (grain or 0.0)
+        return tuple((along + turn) % 360.0 for turn in turns or (0.0, 180.0))
 
     @property
     def split(self) -> SheetSplit:
@@ -81,9 +108,7 @@ class SheetRequest:
             margin_mm=self.margin_mm,
             mitre_mm=_CORNER_KERFS * self.machine.kerf_mm,
             tab_mm=max(self.material.tab_mm, _LEAST_TAB_MM),
-            rotations_deg=None
-            if self.material.rotations_deg is None
-            else tuple(self.material.rotations_deg),
+            rotations_deg=self.rotations_deg,
         )
 
     @property

@@ -14,7 +14,7 @@ from helpers import TEMPLATES
 from fab import read_pattern
 from fab.catalogue import shipped
 from fab.cli.group import main
-from fab.drawings.cut_paths import Operation
+from fab.drawings.cut_paths import Operation, polylines
 from fab.drawings.drawing_files import SheetFormat
 from fab.errors import InvalidJob, Severity
 from fab.jobs.job import parse_job
@@ -30,7 +30,7 @@ DASHES = {"margin_mm": 1.0, "valley": {"cut_mm": 2.0, "gap_mm": 1.5}}
 
 
 def engravings(layers):
-    return sum(len(x.outlines) for x in layers if x.operation is Operation.ENGRAVE)
+    return sum(len(polylines(x)) for x in layers if x.operation is Operation.ENGRAVE)
 
 
 @pytest.mark.parametrize(
@@ -124,6 +124,18 @@ def test_points_of_rims_that_are_glued_as_a_whole_have_the_number_of_their_seam(
     assert len(touching.pieces.seams) == 6
     texts = [label.text for piece in touching.pieces.pieces for label in piece.labels]
     assert not [text for text in texts if text.startswith("p")]
+
+
+def test_a_sheet_that_overlaps_itself_is_cut_into_pieces_that_do_not():
+    design = {"kind": "curved_fold", "columns": 60}
+    document = {"name": "m", "design": design, "sheet": {"width_mm": 200.0}, "cutter": STOCK}
+    severity = {}
+    for kinds in (["svg"], ["fold"]):
+        made = make(parse_job(document), kinds)
+        (found,) = (f for f in made.findings if f.code == "development-overlaps")
+        severity[kinds[0]] = found.severity
+        assert made.within_tolerance == (kinds == ["svg"])
+    assert severity == {"svg": Severity.NOTE, "fold": Severity.ERROR}
 
 
 def test_a_dry_run_says_sheets_and_minutes(tmp_path, monkeypatch):

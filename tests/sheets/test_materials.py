@@ -70,7 +70,7 @@ def test_every_machine_is_sound(name):
 
 @pytest.mark.parametrize("path", [*MATERIALS.values(), *MACHINES.values()], ids=lambda p: p.stem)
 def test_every_number_names_its_unit(path):
-    units = ("_mm", "_mm_s", "_s", "_kg_m3", "_ratio", "rows", "aci")
+    units = ("_mm", "_mm_s", "_s", "_kg_m3", "_ratio", "_deg", "rows", "aci")
 
     def walk(table):
         for key, value in table.items():
@@ -120,6 +120,12 @@ def refusal(tmp_path, load, text: str) -> str:
         ("co2_60w_600x400", "kerf_mm = 0.15", "kerf_mm = nan", "kerf_mm = nan is out of bounds"),
         ("co2_60w_600x400", "kerf_mm = 0.15", "kerf_mn = 0.1", "Did you mean kerf_mm?"),
         ("card_300gsm", "tab_mm", "rotations_deg = []\ntab_mm", "must have 1 values or more"),
+        (
+            "card_300gsm",
+            "tab_mm",
+            'rotations_deg = "half turn"\ntab_mm',
+            "must be one of any, half turns, none, or a list of angles. Did you mean half turns?",
+        ),
         (
             "card_300gsm",
             "tab_mm",
