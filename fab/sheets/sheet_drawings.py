@@ -39,7 +39,7 @@ class SheetDrawings:
     paths : what is drawn in them, by the name of the drawing.
     report : as in `fab.sheets.sheet_report`.
     cut : the patterns as they are cut, in their order.
-    findings : of each pattern, and then of all sheets.
+    findings : of all sheets, besides those of each pattern as it is cut.
     """
 
     files: Mapping[str, bytes]
@@ -95,7 +95,6 @@ def sheet_drawings(
     ]
     report = sheet_report(name, request, _together(cut), placements, listed, rows)
     findings = (
-        *(finding for made in cut for finding in made.findings),
         *_short_stock(len(beds), request),
         *_unset_powers(drawn, request),
     )
