@@ -14,7 +14,8 @@ import shapely
 from numpy.typing import NDArray
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
-from solver.vectors import FloatArray, IntArray, unit
+from fab.geometry.rings import is_hole
+from solver.vectors import FloatArray, unit
 
 __all__ = ["led_in"]
 
@@ -31,20 +32,28 @@ Shapes = NDArray[np.object_]
 
 
 def led_in(
-    paths: CutPaths, lead_in_mm: float, overcut_mm: float
+    paths: CutPaths,
+    lead_in_mm: float,
+    overcut_mm: float,
+    margin_mm: float = 0.0,
+    *,
+    turned_over: bool = False,
 ) -> tuple[CutPaths, tuple[FloatArray, ...]]:
     """Closed cuts that begin `lead_in_mm` before their start and end `overcut_mm` after it.
 
     The lead-in is a straight cut in what is thrown away: outside of pieces, inside holes. At a
-    corner of a piece it is in line with the side that follows. It crosses no cut and stays on the
-    sheet, and it is shorter, or begins at another corner, where there is no room for it. Engraved
-    lines and dashes stay as they are, and so do open cuts.
+    corner of a piece it is in line with the side that follows. It crosses no cut and stays within
+    the margin of the sheet, and it is shorter, or begins at another corner, where there is no room
+    for it. Engraved lines and dashes stay as they are, and so do open cuts.
+
+    turned_over : whether outlines have their material on the right, as on the back of a sheet; it
+        is on the left otherwise.
 
     Returns the paths, in the same order, and the outlines that have no room for a lead-in.
     """
     if not lead_in_mm and not overcut_mm:
         return paths, ()
-    room = _Room.of(paths)
+    room = _Room.of(paths, margin_mm, turned_over=turned_over)
     bare: list[FloatArray] = []
     layers: list[Layer] = []
     number = 0
@@ -91,16 +100,18 @@ class _Room:
     sheet: shapely.Polygon
 
     @classmethod
-    def of(cls, paths: CutPaths) -> _Room:
-        """The room of a sheet."""
+    def of(cls, paths: CutPaths, margin_mm: float, *, turned_over: bool) -> _Room:
+        """The room of a sheet within its margin."""
         through = [layer for layer in paths.layers if layer.operation in _THROUGH]
         rings = [ring for layer in through for ring in layer.outlines]
         open_lines = [line for layer in through for line in (*layer.segments, *layer.chains)]
         lines = [shapely.LinearRing(ring) for ring in rings]
         lines += [shapely.LineString(line) for line in open_lines]
         figures = np.array([shapely.Polygon(ring) for ring in rings], dtype=object)
-        sheet = shapely.box(0.0, 0.0, *paths.size_mm)
-        return cls(figures, _depths(figures) % 2 == 0, shapely.STRtree(lines), sheet)
+        width, depth = paths.size_mm
+        sheet = shapely.box(margin_mm, margin_mm, width - margin_mm, depth - margin_mm)
+        piece = np.array([is_hole(ring) == turned_over for ring in rings], dtype=bool)
+        return cls(figures, piece, shapely.STRtree(lines), sheet)
 
     def lead_in(self, ring: FloatArray, number: int, length_mm: float) -> tuple[int, FloatArray]:
         """The corner at which a ring begins, and where its lead-in begins, shape (1 or 0, 2)."""
@@ -123,16 +134,6 @@ class _Room:
             return False
         within = bool(shapely.contains_xy(self.figures[number], *begin))
         return within != bool(self.piece[number])
-
-
-def _depths(figures: Shapes) -> IntArray:
-    """How many other figures each one is within, shape (n,)."""
-    if not len(figures):
-        return np.empty(0, np.int64)
-    area = shapely.area(figures)
-    points = shapely.point_on_surface(figures)
-    inside, around = shapely.STRtree(figures).query(points, predicate="intersects")
-    return np.bincount(inside[area[inside] < area[around]], minlength=len(figures))
 
 
 def _directions(ring: FloatArray, corner: int) -> Iterator[FloatArray]:

@@ -18,7 +18,7 @@ from fab.drawings.cut_paths import Layer, Operation, joined
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray
 
-__all__ = ["closed_slots", "slot_beside"]
+__all__ = ["closed_slots", "require_wider", "slot_beside"]
 
 _DASHED = (Operation.MOUNTAIN, Operation.VALLEY)
 # Figures of less area are where shapes only touch, mm2.
@@ -43,7 +43,7 @@ def closed_slots(layers: Sequence[Layer], slot_mm: float, beam: Beam) -> tuple[L
     >>> np.ptp(slot.outlines[0], axis=0).round(6).tolist(), len(slot.segments)
     ([3.0, 0.4], 0)
     """
-    _require_wider(slot_mm, beam)
+    require_wider(slot_mm, beam)
     of = {layer.operation: layer for layer in joined(layers)}
     out = []
     for operation, layer in of.items():
@@ -70,7 +70,7 @@ def slot_beside(chain: FloatArray, slot_mm: float, beam: Beam) -> FloatArray:
 
     The side at the material is the polyline itself. Raises `InvalidValue` as `closed_slots`.
     """
-    _require_wider(slot_mm, beam)
+    require_wider(slot_mm, beam)
     width = slot_mm - float(beam.across(np.diff(chain, axis=0)).max())
     figure = shapely.LineString(chain).buffer(
         -width, single_sided=True, cap_style="flat", join_style="mitre", mitre_limit=_MITRE
@@ -79,7 +79,8 @@ def slot_beside(chain: FloatArray, slot_mm: float, beam: Beam) -> FloatArray:
     return _ccw(largest.exterior)[::-1]
 
 
-def _require_wider(slot_mm: float, beam: Beam) -> None:
+def require_wider(slot_mm: float, beam: Beam) -> None:
+    """Raise `InvalidValue` unless slots are wider than the kerf."""
     if slot_mm <= beam.widest_mm:
         raise InvalidValue(
             "cutter.slot_mm",

@@ -385,11 +385,7 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
             made = sheet_drawings(patterns, settings.name, request, clock.progress)
         report = {key: value for key, value in made.report.items() if key != "name"}
         return _Part(
-            made.files,
-            [finding for cut in made.cut for finding in cut.findings] + list(made.findings),
-            report,
-            paths=made.paths,
-            colours=request.machine.colours,
+            made.files, made.findings, report, paths=made.paths, colours=request.machine.colours
         )
     with clock.stage("perforate"):
         meeting = meeting_rims(sheet.pattern)

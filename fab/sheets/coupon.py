@@ -61,7 +61,7 @@ def coupon(machine: Machine, material: Material) -> CutPaths:
     """
     perforation = perforation_for(machine, material)
     styles = {Operation.MOUNTAIN: perforation.mountain, Operation.VALLEY: perforation.valley}
-    comb = _comb(machine.kerf_mm, material.thickness_mm)
+    comb = _comb(machine.beam.widest_mm, material.thickness_mm)
     room = machine.room_mm
     size = (0.0, 0.0)
     for shares in _TABLES:

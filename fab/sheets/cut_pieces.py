@@ -9,6 +9,8 @@ from functools import partial
 import numpy as np
 import shapely
 
+from fab.drawings.beam import Beam
+from fab.drawings.closed_slots import closed_slots
 from fab.drawings.cut_paths import Layer, Operation
 from fab.errors import Finding
 from fab.pattern.crease_pattern import CreasePattern
@@ -18,13 +20,20 @@ from fab.sheets.crease_cuts import require_dashes
 from fab.sheets.crease_findings import crease_findings
 from fab.sheets.feature_size import narrow_faces
 from fab.sheets.labels import engraved
-from fab.sheets.perforation import cut_piece
+from fab.sheets.perforation import CutPiece, cut_piece
 from fab.sheets.piece_patterns import Before, Piece
 from fab.sheets.pieces import Pieces, split
 from fab.sheets.sheet_request import SheetRequest
-from solver.errors import InvalidState, InvalidValue, require_count
+from solver.errors import InvalidState, InvalidValue
 
-__all__ = ["CutPattern", "PatternCopies", "cut_pattern", "outline"]
+__all__ = [
+    "CutPattern",
+    "PatternCopies",
+    "cut_layers_of",
+    "cut_pattern",
+    "finding_of_piece",
+    "outline",
+]
 
 
 # More pieces than this take hours to place, to put in order and to write.
@@ -33,18 +42,11 @@ _MOST_PLACED = 10_000
 
 @dataclass(frozen=True)
 class PatternCopies:
-    """A crease pattern, what it is called, and how many of it each copy of the request has.
-
-    findings : of the pattern's reader. Raises `InvalidValue` for copies that are no such number.
-    """
+    """A crease pattern, what it is called, and how many of it each copy of the request has."""
 
     name: str
     pattern: CreasePattern
     copies: int = 1
-    findings: tuple[Finding, ...] = ()
-
-    def __post_init__(self) -> None:
-        require_count("copies", self.copies, 1, "Ask for one copy or more.")
 
 
 @dataclass(frozen=True)
@@ -55,13 +57,16 @@ class CutPattern:
     ----------
     pieces : its pieces and seams.
     layers : of each piece, where the piece is.
+    labelled : whether labels are engraved.
     meeting : where rims of its sheets meet, if any do.
     after : what it has, and all before it.
-    findings : of all that is done to it.
+    findings : of all that is done to it; but for a beam that is wider along an axis, of all before
+        it is cut (`fab.sheets.turned_cuts`).
     """
 
     pieces: Pieces
     layers: tuple[tuple[Layer, ...], ...]
+    labelled: bool
     meeting: MeetingRims | None
     after: Before
     findings: tuple[Finding, ...]
@@ -94,7 +99,9 @@ def cut_pattern(
         meeting=meeting,
         before=before,
     )
-    style, kerf_mm = request.perforation, request.machine.kerf_mm
+    style = request.perforation
+    # room for the widest cut; a beam that is wider along an axis cuts anew when pieces are placed
+    beam = Beam.of(request.machine.beam.widest_mm)
     placed = before.placed + copies * len(pieces.pieces)
     _require_placeable(placed, copies)
     only = alone and len(pieces.pieces) == 1
@@ -103,18 +110,15 @@ def cut_pattern(
     dashes = before.dashes
     for number, piece in enumerate(pieces.pieces):
         progress("perforate", number, len(pieces.pieces))
-        cut = cut_piece(piece.pattern, style, kerf_mm)
+        cut, drawn = cut_layers_of(piece, request, beam, labelled=labelled)
         dashes += copies * int(cut.creases.cuts.sum())
         require_dashes(dashes)
         creases.append(replace(cut.creases, numbers=piece.edges[cut.creases.numbers]))
-        findings += [_of_piece(piece, finding, alone=only) for finding in cut.findings]
-        layers.append((*cut.layers, engraved(piece.labels)) if labelled else cut.layers)
-    every = (
-        *narrow_faces(pattern, kerf_mm),
-        *split_findings,
-        *findings,
-        *crease_findings(creases, style.margin_mm, kerf_mm),
-    )
+        findings += [finding_of_piece(piece, finding, alone=only) for finding in cut.findings]
+        layers.append(drawn)
+    every = [*narrow_faces(pattern, beam.x_mm), *split_findings]
+    if request.machine.beam.is_round:
+        every += [*findings, *crease_findings(creases, style.margin_mm, beam)]
     after = Before(
         before.pieces + len(pieces.pieces),
         before.seams + len(pieces.seams),
@@ -122,7 +126,23 @@ def cut_pattern(
         placed,
         dashes,
     )
-    return CutPattern(pieces, tuple(layers), meeting, after, every)
+    return CutPattern(pieces, tuple(layers), labelled, meeting, after, tuple(every))
+
+
+def cut_layers_of(
+    piece: Piece, request: SheetRequest, beam: Beam, *, labelled: bool
+) -> tuple[CutPiece, tuple[Layer, ...]]:
+    """A piece as it is cut, and all its layers, as closed slots where these are asked for.
+
+    beam : as it is where the piece is. labelled : whether its labels are engraved.
+    """
+    cut = cut_piece(piece.pattern, request.perforation, beam)
+    wishes, layers = request.wishes, cut.layers
+    if wishes.closed_slots:
+        layers = closed_slots(layers, wishes.slot_mm, beam)
+    if labelled:
+        layers = (*layers, engraved(piece.labels, mirrored=wishes.mirror))
+    return cut, layers
 
 
 def _require_placeable(count: int, copies: int) -> None:
@@ -136,7 +156,7 @@ def _require_placeable(count: int, copies: int) -> None:
         )
 
 
-def _of_piece(piece: Piece, finding: Finding, *, alone: bool) -> Finding:
+def finding_of_piece(piece: Piece, finding: Finding, *, alone: bool) -> Finding:
     """A finding of a piece, which is named unless it is alone, with the pattern's edge numbers."""
     return replace(
         finding,

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from fab.drawings.drawing_files import USUAL, SheetFormat
 from fab.settings import Settings, apply_change, checked
+from fab.sheets.cut_wishes import CutWishes
 from fab.sheets.materials import Degrees, Machine, Material, load_machine, load_material
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.registration import Registration
@@ -18,7 +19,7 @@ from fab.sheets.sheet_request import SheetRequest
 __all__ = ["CutterSettings", "CutterTables", "cutter_tables"]
 
 
-class CutterSettings(Settings):
+class CutterSettings(CutWishes):
     """What sheets are cut from, on which machine, and what is wished of them."""
 
     material: str = Field(description="a shipped sheet material, or a .toml file")
@@ -66,6 +67,7 @@ class CutterSettings(Settings):
         def place(name: str) -> str | Path:
             return folder / name if name.endswith(".toml") else name
 
+        wishes = CutWishes.model_fields
         return SheetRequest(
             _with_creases(load_material(place(self.material)), perforation),
             _with_margin(load_machine(place(self.machine)), self.margin_mm),
@@ -76,6 +78,8 @@ class CutterSettings(Settings):
             stock_sheets=self.sheets,
             grain_deg=self.grain_deg,
             piece_gap_mm=self.piece_gap_mm,
+            wishes=CutWishes.model_validate({key: getattr(self, key) for key in wishes}),
+            names=(_stem(self.material), _stem(self.machine)),
         )
 
 
@@ -85,6 +89,11 @@ def _with_margin(machine: Machine, margin_mm: float | None) -> Machine:
         return machine
     document = {**machine.model_dump(), "margin_mm": margin_mm}
     return checked(Machine, document, "[cutter]", "Lower margin_mm.")
+
+
+def _stem(name: str) -> str:
+    """What a material or machine is called, whether shipped or in a file."""
+    return Path(name).name.removesuffix(".toml")
 
 
 def _with_creases(material: Material, perforation: PerforationSettings | None) -> Material:

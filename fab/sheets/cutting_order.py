@@ -16,7 +16,7 @@ from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.sheets.tours import GAIN_MM, Tour, nearest_neighbours, travel_mm
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["tour"]
+__all__ = ["occupied_holes_last", "tour"]
 
 # Rounds of choosing the start of each outline anew.
 _ROUNDS = 4
@@ -39,7 +39,7 @@ def tour(paths: CutPaths) -> CutPaths:
     """
     head = np.zeros(2)
     layers = []
-    ordered = _occupied_holes_last(paths.layers)
+    ordered = occupied_holes_last(paths.layers)
     for layer in sorted(ordered, key=lambda layer: list(Operation).index(layer.operation)):
         segments = _segments_tour(layer.segments, head)
         head = segments[-1, 1] if len(segments) else head
@@ -53,7 +53,7 @@ def tour(paths: CutPaths) -> CutPaths:
     return replace(paths, layers=tuple(layers))
 
 
-def _occupied_holes_last(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
+def occupied_holes_last(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
     """Layers whose HOLE outlines with a CUT outline in them are on that of CUT."""
     of = {layer.operation: layer for layer in layers}
     if not {Operation.HOLE, Operation.CUT} <= set(of):

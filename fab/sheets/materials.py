@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator
 
 from fab.catalogue import CURE, Bedded, Described, load_described
+from fab.drawings.beam import Beam
 from fab.drawings.dxf import DxfVersion
 from fab.drawings.layer_colours import Colours
 from fab.drawings.svg import STROKE_MM
@@ -28,6 +29,8 @@ __all__ = [
 
 Percent = Annotated[float, Field(ge=0, le=100)]
 Degrees = Annotated[float, Field(ge=-360, le=360)]
+KerfWidth = Annotated[float, Field(ge=0, le=10)]
+KerfWidths = Annotated[tuple[KerfWidth, KerfWidth], Field(strict=False)]
 
 # Words for rotations; None for any.
 _TURNS_DEG = {"any": None, "half turns": [0.0, 180.0], "none": [0.0]}
@@ -108,13 +111,41 @@ class Powers(Settings):
     engrave_percent: Percent | None = Field(default=None, description="marks on the surface")
 
 
+class Knife(Settings):
+    """How a knife cuts, and how any tool begins and ends closed cuts; nothing of it by default."""
+
+    offset_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=5,
+        description="of a drag knife: from its axis to the tip of the blade, where the machine's "
+        "software does not allow for it",
+    )
+    corner_deg: float = Field(
+        default=20.0,
+        ge=1,
+        le=90,
+        description="the blade swivels at corners that turn by more",
+    )
+    overcut_mm: float = Field(
+        default=0.0, ge=0, le=50, description="by which closed cuts go on beyond their start"
+    )
+    lead_in_mm: float = Field(
+        default=0.0, ge=0, le=50, description="cut in the waste before a closed cut"
+    )
+
+
 class Machine(Bedded):
     """What cuts the sheet: how large, how fast, and which file its software wants."""
 
     kind: Literal["cutter"] = "cutter"
-    kerf_mm: float = Field(ge=0, le=10, description="width of material that a cut takes away")
+    kerf_mm: KerfWidth | KerfWidths = Field(
+        description="width of material that a cut takes away; [x, y] where the beam is wider along "
+        "one axis of the bed: cuts along y are x wide, and cuts along x are y wide"
+    )
     speeds: Speeds
     powers: Powers = Powers()
+    knife: Knife = Knife()
     s_max: float = Field(
         default=1000.0, gt=0, le=1e6, description="S of G-code at full power, $30 of GRBL"
     )
@@ -129,6 +160,19 @@ class Machine(Bedded):
     )
     dxf_version: DxfVersion = Field(default=DxfVersion.R2000, strict=False)
     colours: Colours = Colours()
+
+    @field_validator("kerf_mm")
+    @classmethod
+    def _has_both_widths(cls, kerf_mm: float | tuple[float, float]) -> float | tuple[float, float]:
+        if isinstance(kerf_mm, tuple) and (kerf_mm[0] == 0) != (kerf_mm[1] == 0):
+            raise ValueError("both widths must be above 0, or both be 0 for a knife")
+        return kerf_mm
+
+    @property
+    def beam(self) -> Beam:
+        """What it takes away at one place."""
+        widths = self.kerf_mm
+        return Beam(*widths) if isinstance(widths, tuple) else Beam.of(widths)
 
 
 def perforation_for(

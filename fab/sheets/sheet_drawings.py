@@ -17,14 +17,16 @@ from fab.errors import Finding, Severity, counted
 from fab.layout.nesting import Placements, nest
 from fab.progress import Progress, silent
 from fab.sheets.cut_pieces import CutPattern, PatternCopies, cut_pattern, outline
-from fab.sheets.cutting_order import tour
 from fab.sheets.piece_patterns import Before, Piece
 from fab.sheets.pieces import Pieces
 from fab.sheets.registration import how_to_turn, two_sided
 from fab.sheets.seams import Seam
+from fab.sheets.sheet_finish import Finished, finish_findings, finished, followed
 from fab.sheets.sheet_report import PatternRow, estimate_report, sheet_report, sides_report
 from fab.sheets.sheet_request import SheetRequest
+from fab.sheets.turned_cuts import cut_as_placed
 from fab.sheets.work_estimate import estimate
+from solver.vectors import FloatArray
 
 __all__ = ["SheetDrawings", "sheet_drawings", "sheets"]
 
@@ -39,7 +41,7 @@ class SheetDrawings:
     paths : what is drawn in them, by the name of the drawing.
     report : as in `fab.sheets.sheet_report`.
     cut : the patterns as they are cut, in their order.
-    findings : of all sheets, besides those of each pattern as it is cut.
+    findings : of each pattern, and then of all sheets.
     """
 
     files: Mapping[str, bytes]
@@ -78,12 +80,21 @@ def sheet_drawings(
         copies += [many] * len(made.layers)
     layers = [piece for made in cut for piece in made.layers]
     placements = _placed(layers, copies, request, progress)
+    lying = placements
+    turned: tuple[Finding, ...] = ()
+    if not request.machine.beam.is_round:
+        layers, lying, turned = cut_as_placed(cut, placements, request)
     drawn = []
-    beds = sheets(layers, placements, request.machine.bed_mm)
+    beds = [
+        finished(sheet, name, request) for sheet in sheets(layers, lying, request.machine.bed_mm)
+    ]
     for number, sheet in enumerate(beds):
         progress("order", number, len(beds))
-        drawn.append(_drawn_sheet(sheet, f"{name}_{number + 1}", request))
-    listed = [{"files": list(sheet.files), **sheet.work} for sheet in drawn]
+        drawn.append(_drawn_sheet(sheet.paths, f"{name}_{number + 1}", request))
+    listed = [
+        {"files": list(one.files), **one.work, **_bridges(sheet, request)}
+        for one, sheet in zip(drawn, beds, strict=True)
+    ]
     rows = [
         PatternRow(
             wanted.name,
@@ -95,6 +106,9 @@ def sheet_drawings(
     ]
     report = sheet_report(name, request, _together(cut), placements, listed, rows)
     findings = (
+        *(finding for made in cut for finding in made.findings),
+        *turned,
+        *finish_findings(beds, [ring for sheet in drawn for ring in sheet.bare], request),
         *_short_stock(len(beds), request),
         *_unset_powers(drawn, request),
     )
@@ -169,12 +183,13 @@ def sheets(
 class _Drawn:
     """Files of a sheet, or of one side of it, and what the report says of the work on it.
 
-    paths : what is drawn in them, by name.
+    paths : what is drawn in them, by name. bare : closed cuts that have no lead-in.
     """
 
     files: dict[str, bytes]
     work: dict[str, Any]
     paths: dict[str, CutPaths]
+    bare: tuple[FloatArray, ...]
 
 
 def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
@@ -182,26 +197,35 @@ def _drawn_sheet(sheet: CutPaths, name: str, request: SheetRequest) -> _Drawn:
     registration, machine = request.registration, request.machine
     if registration is None:
         return _drawn(sheet, name, request)
-    both = two_sided(sheet, registration, machine.margin_mm, machine.kerf_mm)
+    both = two_sided(sheet, registration, machine.margin_mm, machine.beam.widest_mm)
     sides = {
-        side: _drawn(paths, f"{name}_{side}", request)
+        side: _drawn(paths, f"{name}_{side}", request, turned_over=side == "back")
         for side, paths in zip(("front", "back"), both, strict=True)
     }
     files = {file: data for side in sides.values() for file, data in side.files.items()}
     listed = {name: {"files": list(side.files), **side.work} for name, side in sides.items()}
     turn = how_to_turn(name, registration, machine.bed_mm)
     paths = {title: drawing for side in sides.values() for title, drawing in side.paths.items()}
-    return _Drawn(files, sides_report(listed, turn), paths)
+    bare = tuple(ring for side in sides.values() for ring in side.bare)
+    return _Drawn(files, sides_report(listed, turn), paths, bare)
 
 
-def _drawn(paths: CutPaths, name: str, request: SheetRequest) -> _Drawn:
+def _drawn(
+    paths: CutPaths, name: str, request: SheetRequest, *, turned_over: bool = False
+) -> _Drawn:
     """Files of a drawing, and figures of the work, in the order of the tour."""
-    ordered = tour(paths)
+    ordered, bare = followed(paths, request, turned_over=turned_over)
     return _Drawn(
         drawing_files(ordered, name, request.formats, request.drawing_style),
         estimate_report(estimate(ordered, request.speeds)),
         {name: ordered},
+        bare,
     )
+
+
+def _bridges(sheet: Finished, request: SheetRequest) -> dict[str, int]:
+    """What the report says of the bridges on a sheet, where any are asked for."""
+    return {"bridges": sum(sheet.bridges)} if request.wishes.bridges else {}
 
 
 def _short_stock(needed: int, request: SheetRequest) -> list[Finding]:

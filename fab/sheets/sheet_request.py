@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
+from fab.drawings.closed_slots import require_wider
 from fab.drawings.cut_paths import Operation
 from fab.drawings.cut_settings import CutSetting
 from fab.drawings.drawing_files import PROGRAMS, USUAL, DrawingStyle, SheetFormat
 from fab.sheets.crease_styles import EngraveStyle, NoStyle, ScoreStyle
+from fab.sheets.cut_wishes import CutWishes
 from fab.sheets.materials import Machine, Material, Speeds, perforation_for
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.pieces import SheetSplit
@@ -43,9 +45,12 @@ class SheetRequest:
     grain_deg : direction in the pattern that is to lie along the grain of the sheet, 0 for x; None
         where it matters no more than the rotations of the material say.
     piece_gap_mm : kept free between two pieces; None for 2 mm, or 4 kerfs of a wide beam.
+    wishes : for the cuts. names : of material and machine, for titles.
 
-    Raises `InvalidValue` for copies that are no such number, `InvalidState` for G-code of a machine
-    that has no power to cut with, and for a grain that the material does not have.
+    Raises `InvalidValue` for copies that are no such number, and for slots that are not wider than
+    the kerf; `InvalidState` for G-code of a machine that has no power to cut with, for two-sided
+    sheets that are to be mirrored or to have closed slots, and for closed slots along creases that
+    are scored, and for a grain that the material does not have.
     """
 
     material: Material
@@ -57,6 +62,8 @@ class SheetRequest:
     stock_sheets: int | None = None
     grain_deg: float | None = None
     piece_gap_mm: float | None = None
+    wishes: CutWishes = field(default_factory=CutWishes)
+    names: tuple[str, str] = field(default=("", ""), compare=False)
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")
@@ -74,19 +81,47 @@ class SheetRequest:
                 "Give grain_deg, 0.0 for along the bed's x axis, in a material of your own, or "
                 "leave grain_deg of [cutter] out.",
             )
+        self._require_possible_wishes()
+
+    def _require_possible_wishes(self) -> None:
+        """Raise `InvalidState` for wishes that contradict each other."""
+        if self.registration is not None and (self.wishes.mirror or self.wishes.closed_slots):
+            which = "mirror" if self.wishes.mirror else "closed_slots"
+            raise InvalidState(
+                "cutter",
+                f"sheets that are two_sided cannot have {which} = true too",
+                f"Leave out two_sided or {which}.",
+            )
+        scored = [key for key in ("mountain", "valley", "flat", "unassigned") if self._scored(key)]
+        if self.wishes.closed_slots and scored:
+            raise InvalidState(
+                "cutter",
+                f"closed_slots would cut whole creases through: {' and '.join(scored)} are scored",
+                "Give them dashes in [perforation], or take another material.",
+            )
+        if self.wishes.closed_slots:
+            require_wider(self.wishes.slot_mm, self.machine.beam)
+
+    def _scored(self, key: str) -> bool:
+        tables = (self.perforation, *self.perforation.bands)
+        return any(isinstance(getattr(table, key, None), ScoreStyle) for table in tables)
 
     @property
     def margin_mm(self) -> float:
-        """Kept free around the bed: the machine's margin, and the border for registration."""
+        """Kept free around the bed: its margin, the border for registration, a knife's offset."""
         border = self.registration.border_mm if self.registration is not None else 0.0
-        return self.machine.margin_mm + border
+        return self.machine.margin_mm + border + self.machine.knife.offset_mm
 
     @property
     def gap_mm(self) -> float:
         """Kept free between two pieces on a sheet."""
         if self.piece_gap_mm is not None:
             return self.piece_gap_mm
-        return max(_GAP_MM, _GAP_KERFS * self.machine.kerf_mm)
+        knife, wishes = self.machine.knife, self.wishes
+        beside = knife.lead_in_mm + knife.offset_mm
+        if wishes.closed_slots and wishes.bridges:
+            beside += 2 * wishes.slot_mm
+        return max(_GAP_MM, _GAP_KERFS * self.machine.beam.widest_mm) + beside
 
     @property
     def rotations_deg(self) -> tuple[float, ...] | None:
@@ -106,7 +141,7 @@ class SheetRequest:
         """How the pattern is cut into pieces."""
         return SheetSplit(
             margin_mm=self.margin_mm,
-            mitre_mm=_CORNER_KERFS * self.machine.kerf_mm,
+            mitre_mm=_CORNER_KERFS * self.machine.beam.widest_mm,
             tab_mm=max(self.material.tab_mm, _LEAST_TAB_MM),
             rotations_deg=self.rotations_deg,
         )
@@ -115,7 +150,7 @@ class SheetRequest:
     def perforation(self) -> PerforationSettings:
         """How creases are cut."""
         scored = self.registration is not None
-        dashed = any(kind in PROGRAMS for kind in self.formats)
+        dashed = self.wishes.closed_slots or any(kind in PROGRAMS for kind in self.formats)
         return perforation_for(self.machine, self.material, scored=scored, dashed=dashed)
 
     @property

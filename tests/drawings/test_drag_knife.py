@@ -102,7 +102,7 @@ def test_closed_cuts_begin_in_the_waste_and_go_on_beyond_their_start(reverse):
     rings = [ring[::-1] if reverse else ring for ring in rings]
     outer = Layer(Operation.CUT, outlines=(rings[2], rings[0], rings[3]))
     paths = CutPaths((Layer(Operation.HOLE, outlines=(rings[1],)), outer), SIZE)
-    led, bare = led_in(paths, 4.0, 1.5)
+    led, bare = led_in(paths, 4.0, 1.5, turned_over=reverse)
     assert not bare
     lines = [line for layer in led.layers for line in polylines(layer)]
     before = [ring for layer in paths.layers for ring in layer.outlines]
