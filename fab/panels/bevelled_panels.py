@@ -81,6 +81,13 @@ class PanelSettings(Settings):
         description="creases that should fold further get panels that fold as far as this. The "
         "largest that works where left out",
     )
+    first_layer_mm: float | None = Field(
+        default=None,
+        ge=0,
+        le=10,
+        description="by how much the first layer of a print spreads: bottoms are cut back by that "
+        "where another body is near. That of the printer where left out, else 0",
+    )
 
     @model_validator(mode="after")
     def _offset(self) -> PanelSettings:
@@ -92,6 +99,11 @@ class PanelSettings(Settings):
         if self.axis_mm is not None and self.axis_mm > self.thickness_mm:
             raise ValueError(
                 f"axis_mm = {self.axis_mm:g} must be at most thickness_mm = {self.thickness_mm:g}"
+            )
+        if (self.first_layer_mm or 0.0) > self.thickness_mm / 4:
+            raise ValueError(
+                f"first_layer_mm = {self.first_layer_mm:g} must be at most a quarter of "
+                f"thickness_mm = {self.thickness_mm:g}"
             )
         return self
 

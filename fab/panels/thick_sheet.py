@@ -11,6 +11,7 @@ from fab.geometry.bodies import Bodies, bodies_of, concatenated
 from fab.panels.alignment_holes import drilled
 from fab.panels.bevelled_panels import Panels, PanelSettings, make_panels
 from fab.panels.film import make_film
+from fab.panels.first_layer import relieved
 from fab.panels.hinge_room import crease_sides
 from fab.panels.hinges import (
     HingeSettings,
@@ -136,20 +137,26 @@ def thicken(
         under = crease_kinds(pattern, hinge) == "film"
         held.append(np.flatnonzero((first >= 0) & (second >= 0) & under))
     bending = len(webs.bodies) + len(film)
-    return (
-        replace(
-            rigid,
-            bodies=concatenated([rigid.bodies, webs.bodies, film]),
-            names=(
-                *rigid.names,
-                *(f"hinge_{e}" for e in webs.creases),
-                *(f"film_{i}" for i in range(len(film))),
-            ),
-            faces=np.concatenate([rigid.faces, np.full(bending, -1)]),
-            creases=np.concatenate([rigid.creases, webs.creases, np.full(len(film), -1)]),
-            flexible=np.concatenate([rigid.flexible, np.ones(bending, bool)]),
-            held=np.sort(np.concatenate(held)),
-            joining=concatenated([rigid.bodies, webs.reaching, film]),
+    sheet = replace(
+        rigid,
+        bodies=concatenated([rigid.bodies, webs.bodies, film]),
+        names=(
+            *rigid.names,
+            *(f"hinge_{e}" for e in webs.creases),
+            *(f"film_{i}" for i in range(len(film))),
         ),
-        findings,
+        faces=np.concatenate([rigid.faces, np.full(bending, -1)]),
+        creases=np.concatenate([rigid.creases, webs.creases, np.full(len(film), -1)]),
+        flexible=np.concatenate([rigid.flexible, np.ones(bending, bool)]),
+        held=np.sort(np.concatenate(held)),
+        joining=concatenated([rigid.bodies, webs.reaching, film]),
     )
+    spread = min(panel.first_layer_mm or 0.0, panel.thickness_mm / 4)
+    if spread > 0:
+        rigid_ones = sheet.faces >= 0
+        bodies, joining, note = relieved(
+            sheet.bodies, sheet.joining, rigid_ones, spread, hinge.play_mm
+        )
+        sheet = replace(sheet, bodies=bodies, joining=joining)
+        findings += note
+    return sheet, findings

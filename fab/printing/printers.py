@@ -25,6 +25,13 @@ class Printer(Bedded):
     least_gap_mm: float = Field(
         gt=0, le=10, description="between two bodies that are printed apart and stay apart"
     )
+    first_layer_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=10,
+        description="by how much the first layer spreads on the bed, on each side; 0 where there "
+        "is none, as in powder",
+    )
     overhang_deg: float = Field(
         ge=0, le=90, description="of sides that need no support: 0 upright, 90 over air"
     )

@@ -80,20 +80,24 @@ class ThickSettings(Settings):
     def printed(self, print_with: PrintWith) -> Self:
         """The same, with what they leave to the printer and its materials.
 
-        These are the strain of webs, the play of knuckles, and the margin of plates.
+        These are the strain of webs, the play of knuckles, the spread of the first layer, and the
+        margin of plates.
         """
         printer, material = print_with.printer, print_with.hinges
-        plates, given = self.plates, self.hinges.model_fields_set
+        panels, plates, given = self.panels, self.plates, self.hinges.model_fields_set
         fitting: dict[str, float] = {}
         if material is not None and material.strain_max is not None:
             fitting["strain_max"] = material.strain_max
         if printer is not None:
             fitting["play_mm"] = printer.least_gap_mm
+            if panels.first_layer_mm is None:
+                spread = min(printer.first_layer_mm, panels.thickness_mm / 4)
+                panels = panels.model_copy(update={"first_layer_mm": spread})
             if plates.margin_mm is None:
                 plates = plates.model_copy(update={"margin_mm": printer.margin_mm})
         left = {key: value for key, value in fitting.items() if key not in given}
         hinges = self.hinges.model_copy(update=left)
-        return self.model_copy(update={"hinges": hinges, "plates": plates})
+        return self.model_copy(update={"panels": panels, "hinges": hinges, "plates": plates})
 
     def print_with(self, folder: Path = Path()) -> PrintWith:
         """The printer and the materials that are named. Raises `InvalidJob` for unknown ones.

@@ -1,7 +1,5 @@
 """3MF files keep two materials in each slicer, as its reader takes them, and please lib3mf."""
 
-import shutil
-import subprocess
 from dataclasses import replace
 
 import lib3mf
@@ -137,20 +135,6 @@ def test_lib3mf_reads_all_without_a_warning(package, objects, tmp_path):
     fields = np.array(items.GetCurrent().GetObjectTransform().Fields)
     assert fields[:2, :2] == pytest.approx(np.array([[3**0.5, 1], [-1, 3**0.5]]) / 2)
     assert fields[3] == pytest.approx([120.0, 95.5, 0.0])
-
-
-@pytest.mark.skipif(shutil.which("prusa-slicer") is None, reason="wants prusa-slicer")
-def test_prusaslicer_prints_panels_and_hinges_by_two_extruders(tmp_path):
-    parts = tuple(sheet_parts(thick(miura_pattern())))
-    path = tmp_path / "miura.3mf"
-    path.write_bytes(threemf_bytes([PrintObject("miura", parts)], "miura"))
-    sliced = path.with_suffix(".gcode")
-    command = ["prusa-slicer", "--datadir", str(tmp_path / "none"), "--export-gcode"]
-    options = ["--nozzle-diameter", "0.4,0.4", "--layer-height", "0.2"]
-    run = [*command, *options, "-o", str(sliced), str(path)]
-    subprocess.run(run, check=True, capture_output=True, timeout=120)
-    lines = sliced.read_text().splitlines()
-    assert {"T0", "T1"} <= set(lines)
 
 
 def test_a_material_is_named_once_for_all_parts_of_it(objects):
