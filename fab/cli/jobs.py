@@ -62,7 +62,7 @@ def run(
 
         chosen = formats_of(only, Format)
         loaded = allowed_job(_place(job), changes, allow_code)
-        formats = chosen or [Format(name) for name in loaded.outputs]
+        formats = chosen or [Format(name) for name in loaded.wanted]
         if suggest:
             with progress_of(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)

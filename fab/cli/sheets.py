@@ -52,7 +52,7 @@ __all__ = ["coupon", "fabricate", "sheet_lines", "shipped"]
     help="Score mountains from the front and valleys from the back: two drawings for each sheet.",
 )
 @changes_of("Such as cutter.sheets=2, as in a job; may be repeated.")
-@only("Such as dxf,lbrn2 (default: dxf,svg,pdf,html).")
+@only("Such as dxf,lbrn2 (default: dxf,svg,pdf,html,assembly).")
 @DRY_RUN
 @told_options
 def fabricate(
@@ -81,12 +81,14 @@ def fabricate(
         from fab.sheets.cutter_settings import cutter_tables
 
         tables = cutter_tables(changes, _given(changes, material, machine, copies, two_sided))
-        usual = [*map(FabricatedFormat, USUAL), FabricatedFormat.HTML]
+        other = (FabricatedFormat.HTML, FabricatedFormat.ASSEMBLY)
+        usual = [*map(FabricatedFormat, USUAL), *other]
         chosen = formats_of(only, FabricatedFormat) or usual
         request = tables.cutter.request(
-            [SheetFormat(kind) for kind in chosen if kind is not FabricatedFormat.HTML],
+            [SheetFormat(kind) for kind in chosen if kind not in other],
             perforation=tables.perforation,
             page=FabricatedFormat.HTML in chosen,
+            guide=FabricatedFormat.ASSEMBLY in chosen,
         )
 
         def make(progress: Progress) -> Made:

@@ -39,7 +39,7 @@ JOB = Family(
 )
 SHEETS = Family(
     "_sheets_report.json",
-    r"_\d+(_front|_back)?(_frame)?\.(dxf|svg|pdf|lbrn2|plt|gcode)|_sheets\.html",
+    r"_\d+(_front|_back)?(_frame)?\.(dxf|svg|pdf|lbrn2|plt|gcode)|_(sheets\.html|assembly\.pdf)",
 )
 THICK = Family(
     "_thick_report.json", r"_thick(_plate_\d+|_bodies)?\.(step|stl|3mf|png|zip|glb|html)"

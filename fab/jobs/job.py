@@ -100,6 +100,7 @@ class SheetSettings(ThickSettings):
             "lbrn2",
             "plt",
             "gcode",
+            "assembly",
         ]
     ] = Field(
         default=["fold", "dxf", "svg", "step", "stl", "3mf", "png", "html"],
@@ -117,6 +118,12 @@ class SheetSettings(ThickSettings):
         default=None, description="fold the sheet from flat and judge; not where left out"
     )
     _folder: Path = PrivateAttr(default=Path())
+
+    @property
+    def wanted(self) -> list[str]:
+        """What is made where nothing else is asked for; sheets for a cutter have their guide."""
+        usual = "outputs" not in self.model_fields_set and self.cutter is not None
+        return [*self.outputs, "assembly"] if usual else list(self.outputs)
 
     @property
     def folder(self) -> Path:

@@ -30,6 +30,7 @@ from fab.jobs.goals import check_goals
 from fab.jobs.grow import grown, growth_findings, overlap_findings, unfolded
 from fab.jobs.job import Job, SheetSettings
 from fab.jobs.seam_report import seam_findings
+from fab.jobs.sheet_files import assembly_file
 from fab.jobs.surface_report import growth_report
 from fab.outputs import Made, box_mm, formats_among, with_report, write
 from fab.pattern.crease_pattern import CreasePattern
@@ -51,6 +52,7 @@ from solver.vectors import FloatArray, IntArray
 if TYPE_CHECKING:
     from fab.drawings.cut_paths import CutPaths
     from fab.drawings.layer_colours import Colours
+    from fab.viewing.leaflet import Leaflet
     from fab.viewing.scene import Scene
 
 __all__ = ["Format", "Sheet", "from_mesh", "grown_sheet", "make"]
@@ -73,6 +75,7 @@ class Format(StrEnum):
     LBRN2 = "lbrn2"
     PLT = "plt"
     GCODE = "gcode"
+    ASSEMBLY = "assembly"
 
 
 _SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
@@ -82,7 +85,7 @@ _OF_SCENES = {Format.GLB, Format.HTML}
 # Larger sheets take long to be found rigid or not; `check` says so of any.
 _RIGIDITY_FACES = 2000
 # What is made of a drawing that no machine is known for.
-_DRAWN = (SheetFormat.DXF, SheetFormat.SVG, SheetFormat.PDF)
+_DRAWN = (Format.DXF, Format.SVG, Format.PDF)
 
 
 _NO_KERF = "lines are drawn without kerf, for no machine"
@@ -246,7 +249,7 @@ class _Part:
 
     scene : of the sheet in folded states, where the stage has them and a model or page is made.
     panels_state : number of the state up to which its panels fold.
-    paths : what is cut, by title; colours : of its operations.
+    paths : what is cut, by title; colours : of its operations; guide : how it is put together.
     """
 
     files: Mapping[str, bytes] = field(default_factory=dict)
@@ -256,10 +259,11 @@ class _Part:
     panels_state: int = 0
     paths: Mapping[str, CutPaths] = field(default_factory=dict)
     colours: Colours | None = None
+    guide: Leaflet | None = None
 
 
 def _made(sheet: Sheet, formats: Iterable[str] | None, clock: Clock) -> Made:
-    names = sheet.settings.outputs if formats is None else formats
+    names = sheet.settings.wanted if formats is None else formats
     wanted = set(formats_among(names, Format, "format"))
     parts = [
         _growth(sheet, wanted),
@@ -371,10 +375,11 @@ def _fold_file(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
 def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     """The sheets for the job's cutter, or else one drawing of the whole pattern."""
     kinds = [kind for kind in SheetFormat if Format(kind) in wanted]
+    guided = Format.ASSEMBLY in wanted
     settings = sheet.settings
     if settings.cutter is None:
-        _require_drawn(kinds)
-    if not kinds:
+        _require_drawn([Format(kind) for kind in kinds] + [Format.ASSEMBLY] * guided)
+    if not kinds and not guided:
         return _Part()
     if settings.cutter is not None:
         request = settings.cutter.request(
@@ -383,24 +388,44 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
         with clock.stage("sheets"):
             patterns = [PatternCopies(settings.name, sheet.pattern)]
             made = sheet_drawings(patterns, settings.name, request, clock.progress)
-        report = {key: value for key, value in made.report.items() if key != "name"}
+        files = dict(made.files)
+        guide = None
+        if guided or Format.HTML in wanted:
+            from fab.jobs.assembly_files import guide_of
+
+            with clock.stage("assembly"):
+                guide = guide_of(
+                    patterns,
+                    settings.name,
+                    request,
+                    made,
+                    made_by="quadfold run",
+                    upright=sheet.upright,
+                )
+                if guided:
+                    files |= assembly_file(guide, settings.name)
         return _Part(
-            made.files, made.findings, report, paths=made.paths, colours=request.machine.colours
+            files,
+            made.findings,
+            {key: value for key, value in made.report.items() if key != "name"},
+            paths=made.paths,
+            colours=request.machine.colours,
+            guide=guide,
         )
     with clock.stage("perforate"):
         meeting = meeting_rims(sheet.pattern)
         marks = [] if meeting is None else rim_marks(sheet.pattern, meeting)
         paths, findings = perforate(sheet.pattern, settings.perforation, marks=marks)
-    files: dict[str, bytes] = {}
+    drawn: dict[str, bytes] = {}
     style = DrawingStyle(remark=_NO_KERF)
     for kind in kinds:
         with clock.stage(kind):
-            files |= drawing_files(paths, settings.name, [kind], style)
+            drawn |= drawing_files(paths, settings.name, [kind], style)
     note = Finding("no-kerf", Severity.NOTE, f"{_NO_KERF}. {_NO_KERF_CURE}")
-    return _Part(files, [*findings, note], paths={"As it is cut": paths})
+    return _Part(drawn, [*findings, note], paths={"As it is cut": paths})
 
 
-def _require_drawn(kinds: Sequence[SheetFormat]) -> None:
+def _require_drawn(kinds: Sequence[Format]) -> None:
     """Raise `InvalidJob` for formats that only a known machine follows."""
     programs = [kind for kind in kinds if kind not in _DRAWN]
     if programs:
@@ -529,6 +554,7 @@ def _of_scene(
                 drawn.paths,
                 drawn.colours,
                 pictures=pictures,
+                assembly=drawn.guide,
                 panels_state=reached,
             )
             made[f"{name}.html"] = page_bytes(page)

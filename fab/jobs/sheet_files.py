@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fab.drawings.cut_paths import CutPaths
 from fab.errors import Finding
@@ -17,11 +17,14 @@ from fab.sheets.cut_pieces import PatternCopies
 from fab.sheets.sheet_drawings import sheet_drawings
 from fab.sheets.sheet_request import SheetRequest
 
-__all__ = ["FabricatedFormat", "fabricate"]
+if TYPE_CHECKING:
+    from fab.viewing.leaflet import Leaflet
+
+__all__ = ["FabricatedFormat", "assembly_file", "fabricate"]
 
 
 class FabricatedFormat(StrEnum):
-    """The kinds of files of `fabricate`: those of drawings, and the result page."""
+    """The kinds of files of `fabricate`: drawings, the result page, the assembly guide."""
 
     DXF = "dxf"
     SVG = "svg"
@@ -30,6 +33,7 @@ class FabricatedFormat(StrEnum):
     PLT = "plt"
     GCODE = "gcode"
     HTML = "html"
+    ASSEMBLY = "assembly"
 
 
 def fabricate(
@@ -60,7 +64,8 @@ def fabricate(
     all copies of all pieces have more than 5 million dashes; `InvalidState` where G-code has an
     operation whose power the machine does not have.
     """
-    made = sheet_drawings([PatternCopies(name, pattern)], name, request, progress)
+    patterns = [PatternCopies(name, pattern)]
+    made = sheet_drawings(patterns, name, request, progress)
     files = dict(made.files)
     (cut,) = made.cut
     report = made.report
@@ -69,12 +74,27 @@ def fabricate(
         rims = seam_findings(cut.meeting)
         report = {**report, "seams": cut.meeting.report()}
     every = [*findings, *rims, *made.findings]
+    guide = None
+    if request.page or request.guide:
+        progress("assembly", 0, 1)
+        from fab.jobs.assembly_files import guide_of
+
+        guide = guide_of(patterns, name, request, made, made_by="quadfold fabricate")
+    if request.guide and guide is not None:
+        files |= assembly_file(guide, name)
     if request.page:
         files[f"{name}_sheets.html"] = _page(
-            pattern, name, request, report, every, files, made.paths
+            pattern, name, request, report, every, files, made.paths, guide
         )
     progress("write", 1, 1)
     return with_report(files, SHEETS.report_name(name), report, every)
+
+
+def assembly_file(guide: Leaflet, name: str) -> dict[str, bytes]:
+    """The pages for print that say how sheets are put together, by the name of their file."""
+    from fab.viewing.leaflet_pdf import leaflet_pdf_bytes
+
+    return {f"{name}_assembly.pdf": leaflet_pdf_bytes(guide)}
 
 
 def _page(
@@ -85,6 +105,7 @@ def _page(
     findings: Sequence[Finding],
     files: Mapping[str, bytes],
     drawings: Mapping[str, CutPaths],
+    guide: Leaflet | None,
 ) -> bytes:
     """The result page of the sheets."""
     from fab.viewing.page import ResultPage, page_bytes
@@ -93,6 +114,14 @@ def _page(
     scene = predicted_scene(pattern, name, findings=findings)
     colours = request.machine.colours
     page = ResultPage(
-        name, "quadfold fabricate", scene, report, scene.findings, files, drawings, colours
+        name,
+        "quadfold fabricate",
+        scene,
+        report,
+        scene.findings,
+        files,
+        drawings,
+        colours,
+        assembly=guide,
     )
     return page_bytes(page)

@@ -9,12 +9,12 @@ from scipy.spatial import cKDTree
 
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.kinematics import fold_by_angles, unknown_angles
-from fab.pattern.open_cuts import opened
+from fab.pattern.open_cuts import Opened, opened
 from solver.graphs import labels
 from solver.polygons import face_normals
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
-__all__ = ["closing_edges", "closing_edges_by_angles"]
+__all__ = ["closing_edges", "closing_edges_by_angles", "folded_by_angles"]
 
 # Folded ends nearer than this share of the sheet are one point.
 _CLOSED_REL = 1e-6
@@ -61,21 +61,32 @@ def closing_edges_by_angles(pattern: CreasePattern) -> tuple[IntArray, FloatArra
 
     There are none where an angle is not known, or where the angles do not close.
     """
-    none = np.empty((0, 2), np.int64), np.empty(0)
-    if _flat(pattern).all():
-        return none
-    whole = opened(pattern)
-    letters = whole.pattern.edges_assignment
-    if (unknown_angles(whole.pattern) & (letters != "C")).any():
-        return none
-    shape = fold_by_angles(whole.pattern)
-    size = float(norm(np.ptp(pattern.vertices_coords, axis=0)))
-    if shape.gap_mm > _CLOSED_REL * size or shape.gap_rad > _CLOSED_REL:
-        return none
-    edges, angle = closing_edges(replace(whole.pattern, folded_coords=shape.folded_coords))
+    whole = folded_by_angles(pattern)
+    if whole is None:
+        return np.empty((0, 2), np.int64), np.empty(0)
+    edges, angle = closing_edges(whole.pattern)
     edges = whole.edges_source[edges]
     outer = (pattern.edges_faces[edges, 1] < 0).all(axis=1)
     return edges[outer], angle[outer]
+
+
+def folded_by_angles(pattern: CreasePattern) -> Opened | None:
+    """The pattern with its cuts open and with the folded form that its fold angles give.
+
+    None where all creases are flat or folded flat, where an angle is not known, and where the
+    angles do not close. Its faces are those of the pattern, in their order.
+    """
+    if _flat(pattern).all():
+        return None
+    whole = opened(pattern)
+    letters = whole.pattern.edges_assignment
+    if (unknown_angles(whole.pattern) & (letters != "C")).any():
+        return None
+    shape = fold_by_angles(whole.pattern)
+    size = float(norm(np.ptp(pattern.vertices_coords, axis=0)))
+    if shape.gap_mm > _CLOSED_REL * size or shape.gap_rad > _CLOSED_REL:
+        return None
+    return replace(whole, pattern=replace(whole.pattern, folded_coords=shape.folded_coords))
 
 
 def _joined_flat(pattern: CreasePattern, pairs: IntArray) -> BoolArray:

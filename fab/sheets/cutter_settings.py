@@ -52,13 +52,14 @@ class CutterSettings(CutWishes):
         *,
         perforation: PerforationSettings | None = None,
         page: bool = True,
+        guide: bool = False,
         folder: Path = Path(),
     ) -> SheetRequest:
         """The sheets that are asked for.
 
         formats : of the drawings. perforation : its keys that were given prevail over those of the
-        material. page : whether a result page is made. folder : where files that the settings name
-        are looked for.
+        material. page, guide : whether a result page is made, and an assembly guide. folder : where
+        files that the settings name are looked for.
 
         Raises `InvalidJob` for unknown materials and machines and for a margin that leaves nothing
         of the bed, `InvalidState` as `SheetRequest`.
@@ -80,6 +81,7 @@ class CutterSettings(CutWishes):
             piece_gap_mm=self.piece_gap_mm,
             wishes=CutWishes.model_validate({key: getattr(self, key) for key in wishes}),
             names=(_stem(self.material), _stem(self.machine)),
+            guide=guide,
         )
 
 

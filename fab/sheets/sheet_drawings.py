@@ -41,6 +41,7 @@ class SheetDrawings:
     paths : what is drawn in them, by the name of the drawing.
     report : as in `fab.sheets.sheet_report`.
     cut : the patterns as they are cut, in their order.
+    placements : where their pieces lie, numbered one pattern after another.
     findings : of each pattern, and then of all sheets.
     """
 
@@ -48,6 +49,7 @@ class SheetDrawings:
     paths: Mapping[str, CutPaths]
     report: dict[str, Any]
     cut: tuple[CutPattern, ...]
+    placements: Placements
     findings: tuple[Finding, ...]
 
 
@@ -117,6 +119,7 @@ def sheet_drawings(
         {title: paths for sheet in drawn for title, paths in sheet.paths.items()},
         report,
         tuple(cut),
+        placements,
         findings,
     )
 

@@ -40,7 +40,8 @@ class SheetRequest:
         has a front and a back (`fab.sheets.registration`); the stock is as large as the bed.
     formats : of the drawings. With one that the machine follows line by line, all of them hold
         dashes, whatever the machine's profile.
-    page : whether a result page shows them.
+    page, guide : whether a result page shows them, and pages for print say how they are put
+        together.
     stock_sheets : how many sheets are at hand; None where that is not known.
     grain_deg : direction in the pattern that is to lie along the grain of the sheet, 0 for x; None
         where it matters no more than the rotations of the material say.
@@ -64,6 +65,7 @@ class SheetRequest:
     piece_gap_mm: float | None = None
     wishes: CutWishes = field(default_factory=CutWishes)
     names: tuple[str, str] = field(default=("", ""), compare=False)
+    guide: bool = False
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")

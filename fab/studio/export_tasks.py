@@ -93,7 +93,7 @@ def _run(source: _Source, request: Mapping[str, Any], progress: Reports) -> tupl
     del request
     if source.job is None:
         raise InvalidJob("a pattern: only a job can be run. Make sheets or panels of it.")
-    timed = _timed(progress, run_stages(source.job.outputs))
+    timed = _timed(progress, run_stages(source.job.wanted))
     return make(source.job, None, timed), f"{source.name}.html"
 
 
@@ -105,7 +105,7 @@ def _fabricate(source: _Source, request: Mapping[str, Any], progress: Reports) -
         _require_inside(source.folder, request[key])
     keys = {key: request[key] for key in ("material", "machine", "copies", "two_sided")}
     settings = checked(CutterSettings, keys, "sheets", "Choose it.")
-    asked = settings.request(folder=source.folder)
+    asked = settings.request(guide=True, folder=source.folder)
     timed = _timed(progress, {})
     pattern, findings = source.pattern(timed)
     made = fabricate(pattern, source.name, asked, findings=findings, progress=timed)

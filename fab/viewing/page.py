@@ -24,6 +24,8 @@ from fab.drawings.layer_colours import Colours
 from fab.errors import Finding, Severity, counted
 from fab.viewing.drawing import CREASE_INK
 from fab.viewing.face_triangles import face_corner_triangles
+from fab.viewing.leaflet import Leaflet
+from fab.viewing.leaflet_html import leaflet_html
 from fab.viewing.level_of_detail import detail_note
 from fab.viewing.page_data import has_face_values, page_data, state_names
 from fab.viewing.page_drawings import (
@@ -83,6 +85,7 @@ class ResultPage:
     files : made beside the page, by name.
     sheets : drawings that a machine cuts, by title; colours : of their operations.
     pictures : what the pictures among these files show, by name; others are left out.
+    assembly : how it is put together.
     panels_state : number of the state in which panels stop; the last one where left out.
     """
 
@@ -95,6 +98,7 @@ class ResultPage:
     sheets: Mapping[str, CutPaths] = field(default_factory=dict)
     colours: Colours | None = None
     pictures: Mapping[str, str] = field(default_factory=dict)
+    assembly: Leaflet | None = None
     panels_state: int | None = None
 
 
@@ -117,6 +121,7 @@ def page_bytes(page: ResultPage) -> bytes:
         *_findings(page),
         *_form(page, axes),
         *_drawings(page),
+        *_assembly(page),
         *_numbers(page),
         *_files(page),
         *_asked(page),
@@ -283,6 +288,14 @@ def _drawings(page: ResultPage) -> Iterator[str]:
         yield f'<h2 id="sheet-{number}">{escape(name)}</h2>'
         yield _drawing(sheet_drawing(paths, name, page.colours, MOST_LINES // len(page.sheets)))
         yield "</section>"
+
+
+def _assembly(page: ResultPage) -> Iterator[str]:
+    if page.assembly is None:
+        return
+    yield '<section aria-labelledby="assembly"><h2 id="assembly">Assembly</h2>'
+    yield from leaflet_html(page.assembly)
+    yield "</section>"
 
 
 def _drawing(drawing: Drawing) -> str:

@@ -11,7 +11,7 @@ from fab.viewing.camera import Camera
 from fab.viewing.raster import nearest_triangles
 from solver.vectors import BoolArray, FloatArray, IntArray, cross, unit
 
-__all__ = ["Shapes", "painted", "triangle_normals"]
+__all__ = ["Painting", "Shapes", "painted", "painting", "triangle_normals"]
 
 # Pictures are drawn finer by this factor, then averaged.
 _FINER = 2
@@ -53,8 +53,32 @@ class Shapes:
     closed: bool = False
 
 
+@dataclass(frozen=True)
+class Painting:
+    """A picture, and what is seen in it, which is known finer than the picture.
+
+    Attributes
+    ----------
+    picture : on white, shape (height, width, 3), from 0 to 1.
+    groups : shape (k height, k width), those of the first shapes as they are, those of the next
+        after them, and so on; -1 where there is nothing, -2 where triangles without lines are.
+    heights : of the same shape, towards the viewer, in fine pixels; -inf where there is nothing.
+    finer : k.
+    """
+
+    picture: FloatArray
+    groups: IntArray
+    heights: FloatArray
+    finer: int = _FINER
+
+
 def painted(camera: Camera, shapes: Sequence[Shapes]) -> FloatArray:
     """A picture on white, shape (height, width, 3), from 0 to 1."""
+    return painting(camera, shapes).picture
+
+
+def painting(camera: Camera, shapes: Sequence[Shapes]) -> Painting:
+    """A picture on white, and the groups that are seen in it."""
     fine = camera.finer(_FINER)
     places, inks, groups = [], [], []
     first = 0
@@ -75,7 +99,7 @@ def painted(camera: Camera, shapes: Sequence[Shapes]) -> FloatArray:
         groups.append(np.where(own < 0, -2, own + first))
         first += int(each.groups.max(initial=-1)) + 1
     ink, group = np.concatenate(inks), np.concatenate(groups)
-    owner, _ = nearest_triangles(np.concatenate(places), fine.width, fine.height)
+    owner, heights = nearest_triangles(np.concatenate(places), fine.width, fine.height)
     drawn = owner >= 0
     picture = np.ones((fine.height, fine.width, 3))
     picture[drawn] = ink[owner[drawn]]
@@ -84,7 +108,7 @@ def painted(camera: Camera, shapes: Sequence[Shapes]) -> FloatArray:
     strength, wide = _lines(shown)
     picture[_between(shown, wide)] *= 1 - (1 - _LINE) * strength
     parts = picture.reshape(camera.height, _FINER, camera.width, _FINER, 3)
-    return np.asarray(np.clip(parts.mean(axis=(1, 3)), 0, 1))
+    return Painting(np.clip(parts.mean(axis=(1, 3)), 0, 1), shown, heights)
 
 
 def triangle_normals(corners: FloatArray) -> FloatArray:

@@ -383,9 +383,11 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
     kinds = [f"curved_fold_1.{kind}" for kind in ("dxf", "pdf", "svg")]
     assert names_in("sheets") == [
         *kinds,
+        "curved_fold_assembly.pdf",
         "curved_fold_sheets.html",
         "curved_fold_sheets_report.json",
     ]
+    assert "`curved_fold_assembly.pdf`" in part
     assert "`curved_fold_sheets.html`" in part
     assert "`curved_fold_sheets_report.json`" in part
     assert run(*lines[-1][1:], "--two-sided", "--only", "dxf").exit_code == 0

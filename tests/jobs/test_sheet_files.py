@@ -557,12 +557,17 @@ def test_both_sides_are_written_in_every_format(folder):
     kinds = [f"square_twist_1_{side}.{kind}" for side in ("back", "front") for kind in USUAL]
     written = sorted(path.name for path in (folder / "out").iterdir())
     assert written == sorted(
-        [*kinds, "square_twist_sheets.html", "square_twist_sheets_report.json"]
+        [
+            *kinds,
+            "square_twist_assembly.pdf",
+            "square_twist_sheets.html",
+            "square_twist_sheets_report.json",
+        ]
     )
     assert "Turn the sheet over so that its upper edge becomes the lower one" in result.output
     again = run(*words[:-1], "--out", "out", "--only", "dxf")
     first = "square_twist_1_back.dxf, square_twist_1_back.pdf, square_twist_1_back.svg"
-    assert f"note: {first} and 4 more in out are from an earlier run" in again.output
+    assert f"note: {first} and 5 more in out are from an earlier run" in again.output
     assert (folder / "out" / "square_twist_1_back.dxf").exists()
 
 
@@ -593,7 +598,8 @@ def test_file_names_of_any_bytes_become_names_that_can_be_read(folder):
     names = sorted(path.name for path in (folder / "out").iterdir())
     plain = 'a_[31m_<b>&"_'
     drawings = [f"{plain}_1.{kind}" for kind in USUAL]
-    assert names == sorted([f"{plain}_sheets_report.json", f"{plain}_sheets.html", *drawings])
+    others = ["assembly.pdf", "sheets.html", "sheets_report.json"]
+    assert names == sorted([*(f"{plain}_{other}" for other in others), *drawings])
     plain += "_1"
     root = ElementTree.fromstring((folder / "out" / f"{plain}.svg").read_bytes())
     assert root[0].text == plain

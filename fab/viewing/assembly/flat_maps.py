@@ -1,0 +1,418 @@
+"""Flat maps: the crease pattern, or a few of its pieces, with letters, seams and their numbers.
+
+Mountains, valleys and cuts are distinguished by the style of their lines, for prints in grey.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fab.geometry.rings import by_size
+from fab.viewing.assembly.parts import Joint, Model
+from fab.viewing.assembly.piece_colours import hex_colour, paler
+from fab.viewing.drawing import CREASE_INK
+from fab.viewing.sketch import Area, Lines, Mark, Plan, Sketch, Words, plan_of, scale_text
+from solver.vectors import FloatArray, IntArray
+
+__all__ = ["FlatMaps", "legend"]
+
+# Of more creases a map would be all lines.
+MOST_LINES = 15_000
+_OUTLINE_MM, _SEAM_MM, _CREASE_MM, _TAB_MM = 0.3, 0.5, 0.22, 0.15
+_SEAM_INK, _TAB_INK, _PALE = "#000000", "#555555", 0.45
+_TAB_DASHES, _LEGEND_MM = (0.6, 0.4), 4.0
+# Sizes of the font of numbers and of letters, mm, and of numbers over their distances.
+_NUMBERS, _LETTERS, _SPACING, _LETTER = (1.5, 2.6), (2.0, 11.0), 0.62, 0.9
+# Dashes are this share of creases, within bounds in mm.
+_DASH_SHARE, _DASHES = 1 / 3, (0.5, 2.4)
+_DRAWN = "FJUMVC"
+_SIMPLE_MM = 0.02
+_DOT = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+# Numbers of edges that are apart are so far from them, in sizes of their font.
+_BESIDE = 0.62
+# Around the seams of a step so much is shown, over their extent.
+_AROUND = 0.2
+# A step has maps of its own for up to this many pieces; sides of seams are far apart where each is
+# a smaller share of both.
+_MOST_APART, _FAR = 4, 0.4
+# Maps may reach beyond the pattern, over its size, and be so much wider than what they are about.
+_BEYOND, _WIDER = 0.01, 1.6
+# Height of a map: at least, and for each of its seams.
+_HEIGHTS_MM = (22.0, 2.6)
+
+
+@dataclass(frozen=True)
+class _Own:
+    """What a piece has on maps: its region, where its letters go, their room, its lines."""
+
+    region: NDArray[np.object_]
+    middle: FloatArray
+    radius: float
+    creases: dict[str, IntArray]
+
+
+class FlatMaps:
+    """Maps of a model; what they share is found once."""
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        pattern = model.pattern
+        faces = np.empty(pattern.face_count, object)
+        for own, corners in by_size(pattern.faces_vertices, pattern.faces_offsets):
+            faces[own] = shapely.polygons(pattern.vertices_coords[corners])
+        creases = self._creases()
+        self._own = [
+            _own(faces[piece.faces], creases[number]) for number, piece in enumerate(model.pieces)
+        ]
+
+    def _creases(self) -> list[dict[str, IntArray]]:
+        """Edges within each piece by their letter."""
+        pattern, faces_piece = self.model.pattern, self.model.faces_piece
+        first, second = pattern.edges_faces.T
+        within = np.flatnonzero(second >= 0)
+        within = within[faces_piece[first[within]] == faces_piece[second[within]]]
+        piece = faces_piece[first[within]]
+        order = np.argsort(piece, kind="stable")
+        ends = np.searchsorted(piece[order], np.arange(len(self.model.pieces) + 1))
+        out = []
+        for a, b in pairwise(ends.tolist()):
+            edges = within[order[a:b]]
+            letters = pattern.edges_assignment[edges]
+            out.append({letter: edges[letters == letter] for letter in _DRAWN})
+        return out
+
+    def whole(self, most_mm: tuple[float, float]) -> Sketch:
+        """The whole pattern, all seams numbered, at a usual scale."""
+        coords = self.model.pattern.vertices_coords
+        tabs = [piece.tabs.reshape(-1, 2) for piece in self.model.pieces]
+        points = np.concatenate([coords, *tabs])
+        plan = plan_of(points.min(axis=0), points.max(axis=0), most_mm, 2.0)
+        every = range(len(self.model.pieces))
+        numbers = [joint.label for joint in self.model.joints]
+        marks = self._marks(plan, every, every, numbers)
+        lines = sum(len(edges) for own in self._own for edges in own.creases.values())
+        note = (
+            f" {lines} creases are too near each other to be drawn here; the drawings have all."
+            if lines > MOST_LINES
+            else ""
+        )
+        caption = f"Upper side, scale {scale_text(plan.scale)}.{note}"
+        return Sketch(plan.size_mm, marks, caption)
+
+    def around(
+        self, pieces: Sequence[int], labels: Sequence[int], most_mm: tuple[float, float]
+    ) -> tuple[Sketch, ...]:
+        """Maps of the seams of a step with their numbers, and of what is near of some pieces.
+
+        One for each piece that the last of the pieces is joined to, if they are few, and one for
+        either side of seams that are far apart in the flat pattern.
+        """
+        joints = self._joints(labels)
+        groups: dict[tuple[int, ...], list[Joint]] = {}
+        for joint in joints:
+            groups.setdefault(tuple(sorted(joint.pieces)), []).append(joint)
+        several = list(groups.values()) if len(groups) <= _MOST_APART else [joints]
+        views = [
+            (group, edges) for group in several for edges in self._views([j.edges for j in group])
+        ]
+        least, each = _HEIGHTS_MM
+        high = [min(least + each * len(group), most_mm[1]) for group, _ in views]
+        return tuple(
+            self._near(pieces, group, edges, (most_mm[0], tall))
+            for (group, edges), tall in zip(views, high, strict=True)
+        )
+
+    def _views(self, sides: list[tuple[int, int]]) -> list[IntArray]:
+        """All edges of seams, or those on either side where these are far from each other."""
+        edges = np.array(sides)
+        boxes = [self._box(edges[:, side]) for side in (0, 1)]
+        low, high = self._box(edges.ravel())
+        own = max(float((b - a).max()) for a, b in boxes)
+        if own < _FAR * float((high - low).max()):
+            return [edges[:, 0], edges[:, 1]]
+        return [edges.ravel()]
+
+    def _box(self, edges: IntArray) -> tuple[FloatArray, FloatArray]:
+        pattern = self.model.pattern
+        ends = pattern.vertices_coords[pattern.edges_vertices[edges]].reshape(-1, 2)
+        return ends.min(axis=0), ends.max(axis=0)
+
+    def _near(
+        self,
+        pieces: Sequence[int],
+        joints: Sequence[Joint],
+        edges: IntArray,
+        most_mm: tuple[float, float],
+    ) -> Sketch:
+        """What is near some edges."""
+        low, high = self._box(edges)
+        around = _AROUND * float((high - low).max())
+        coords = self.model.pattern.vertices_coords
+        plan = _filling(low - around, high + around, coords, most_mm)
+        labels = [joint.label for joint in joints]
+        marks = self._marks(plan, pieces, pieces[-1:], labels, clipped=True)
+        caption = f"Seams {labels[0]} to {labels[-1]}" if len(labels) > 1 else f"Seam {labels[0]}"
+        return Sketch(plan.size_mm, _within(marks, plan.size_mm), f"{caption}, upper side.")
+
+    def _joints(self, labels: Sequence[int]) -> list[Joint]:
+        wanted = set(labels)
+        return [joint for joint in self.model.joints if joint.label in wanted]
+
+    def _marks(
+        self,
+        plan: Plan,
+        pieces: Sequence[int],
+        strong: Sequence[int],
+        labels: Sequence[int],
+        *,
+        clipped: bool = False,
+    ) -> tuple[Mark, ...]:
+        """Areas, creases, tabs, seams, letters and numbers, in this order."""
+        model = self.model
+        coords = model.pattern.vertices_coords
+        marks: list[Mark] = []
+        drawn = sum(len(edges) for k in pieces for edges in self._own[k].creases.values())
+        for number in pieces:
+            own, colour = self._own[number], model.colours[number]
+            fill = colour if number in strong else paler(colour, _PALE)
+            for rings in _rings(own.region, _SIMPLE_MM / plan.scale):
+                on_paper = tuple(plan.on_paper(ring) for ring in rings)
+                marks.append(Area(on_paper, hex_colour(fill), "#000000", _OUTLINE_MM))
+        if drawn <= MOST_LINES:
+            edges = {
+                letter: np.concatenate([self._own[k].creases[letter] for k in pieces])
+                for letter in _DRAWN
+            }
+            marks += _crease_lines(plan, coords, model.pattern.edges_vertices, edges)
+        for number in pieces:
+            tabs = plan.on_paper(model.pieces[number].tabs)
+            sides = np.stack([tabs, np.roll(tabs, -1, axis=1)], axis=2).reshape(-1, 2, 2)
+            marks.append(Lines(sides, _TAB_INK, _TAB_MM, _TAB_DASHES))
+        joints = self._joints(labels)
+        seams = np.array([joint.edges for joint in joints], np.int64).ravel()
+        lines = plan.on_paper(coords[model.pattern.edges_vertices[seams]])
+        marks.append(Lines(lines, _SEAM_INK, _SEAM_MM))
+        marks += self._letters(plan, pieces, clipped=clipped)
+        marks += self._numbers(plan, joints)
+        marks += self._points(plan, pieces)
+        return tuple(marks)
+
+    def _letters(self, plan: Plan, pieces: Sequence[int], *, clipped: bool) -> list[Words]:
+        """The letters of pieces, where there are several, in what is seen of them."""
+        if self.model.alone:
+            return []
+        width, height = plan.size_mm
+        corners = (np.array([[0.0, 0.0], [width, height]]) - plan.shift) / plan.scale
+        out = []
+        for number in pieces:
+            own, name = self._own[number], self.model.pieces[number].name
+            middle, radius = own.middle, own.radius
+            if clipped:
+                seen = shapely.intersection(own.region, shapely.box(*corners.ravel()))
+                parts = _with_area(seen)
+                if not len(parts):
+                    continue
+                middle, radius = _room(parts)
+            size = _LETTER * radius * plan.scale / max(1.0, 0.7 * len(name))
+            size = float(np.clip(size, _LETTERS[0], _LETTERS[1] / (2 if clipped else 1)))
+            x, y = plan.on_paper(middle).tolist()
+            backing = hex_colour(self.model.colours[number])
+            out.append(Words(name, (x, y), size, bold=True, backing=backing))
+        return out
+
+    def _numbers(self, plan: Plan, joints: Sequence[Joint]) -> list[Words]:
+        """The number of each seam at its middle, or beside both its edges."""
+        pattern = self.model.pattern
+        beside = [(joint, edge) for joint in joints for edge in dict.fromkeys(joint.edges)]
+        if not beside:
+            return []
+        edges = np.array([edge for _, edge in beside])
+        ends = plan.on_paper(pattern.vertices_coords[pattern.edges_vertices[edges]])
+        at = ends.mean(axis=1)
+        size = _number_size(at)
+        along = ends[:, 1] - ends[:, 0]
+        along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
+        border = pattern.edges_faces[edges, 1] < 0  # its face is to the left
+        at[border] += _BESIDE * size * np.column_stack([-along[:, 1], along[:, 0]])[border]
+        return [
+            Words(str(joint.label), (x, y), size, bold=True, backing="#ffffff")
+            for (joint, _), (x, y) in zip(beside, at.tolist(), strict=True)
+        ]
+
+    def _points(self, plan: Plan, pieces: Sequence[int]) -> list[Mark]:
+        """Dots where rims of sheets are glued, with their numbers."""
+        if len(pieces) < len(self.model.pieces) or not self.model.points:
+            return []
+        vertices = np.array([point.vertices for point in self.model.points]).ravel()
+        at = plan.on_paper(self.model.pattern.vertices_coords[vertices])
+        size = _number_size(at)
+        texts = [point.text for point in self.model.points for _ in range(2)]
+        dots = at[:, None] + 0.3 * size * _DOT
+        marks: list[Mark] = [Area((dot,), "#000000") for dot in dots]
+        marks += [
+            Words(text, (x + 0.5 * size, y), size, across="start", backing="#ffffff")
+            for text, (x, y) in zip(texts, at.tolist(), strict=True)
+        ]
+        return marks
+
+
+def legend(pattern_letters: Sequence[str], seams: bool, tabs: bool, width_mm: float) -> Sketch:
+    """What the lines of maps mean."""
+    names = {
+        "M": "mountain: fold away from you",
+        "V": "valley: fold towards you",
+        "F": "flat, not folded",
+        "J": "flat, not folded",
+        "U": "crease without direction",
+        "C": "cut",
+    }
+    shown = [(letter, names[letter]) for letter in "MVFJUC" if letter in pattern_letters]
+    shown += [("", "seam, with its number")] * seams + [("t", "tab")] * tabs
+    marks: list[Mark] = []
+    x, row = 0.0, 0
+    placed = []
+    for letter, name in shown:
+        wide = 19.0 + 1.38 * len(name)
+        if x + wide > width_mm and x > 0:
+            x, row = 0.0, row + 1
+        placed.append((letter, name, x, row))
+        x += wide
+    height = _LEGEND_MM * (row + 1)
+    for letter, name, x, row in placed:
+        y = height - _LEGEND_MM * (row + 0.5)
+        line = np.array([[[x, y], [x + 12.0, y]]])
+        if letter == "":
+            marks.append(Lines(line, _SEAM_INK, _SEAM_MM))
+        elif letter == "t":
+            marks.append(Lines(line, _TAB_INK, _TAB_MM, _TAB_DASHES))
+        else:
+            marks.append(_styled(line, letter, _DASHES[1]))
+        marks.append(Words(name, (x + 13.5, y), 2.5, across="start"))
+    return Sketch((width_mm, height), tuple(marks))
+
+
+def _styled(lines: FloatArray, letter: str, dash_mm: float) -> Lines:
+    """Creases in the style of their letter."""
+    colour = CREASE_INK[letter]
+    if letter == "M":
+        gap = max(0.3 * dash_mm, 0.25)
+        return Lines(lines, colour, 1.2 * _CREASE_MM, (dash_mm, gap, 0.15 * dash_mm, gap))
+    if letter == "V":
+        return Lines(lines, colour, _CREASE_MM, (0.5 * dash_mm, max(0.35 * dash_mm, 0.25)))
+    if letter == "C":
+        return Lines(lines, "#000000", _OUTLINE_MM)
+    if letter == "U":
+        return Lines(lines, colour, _CREASE_MM)
+    return Lines(lines, "#888888", 0.6 * _CREASE_MM, (0.2, 0.6))
+
+
+def _crease_lines(
+    plan: Plan, coords: FloatArray, edges_vertices: IntArray, edges: dict[str, IntArray]
+) -> list[Lines]:
+    lines = {k: plan.on_paper(coords[edges_vertices[each]]) for k, each in edges.items()}
+    folded = np.concatenate([lines["M"], lines["V"]])
+    lengths = np.hypot(*(folded[:, 1] - folded[:, 0]).T)
+    usual = float(np.median(lengths)) if len(lengths) else _DASHES[1]
+    dash = float(np.clip(_DASH_SHARE * usual, *_DASHES))
+    return [_styled(lines[letter], letter, dash) for letter in _DRAWN if len(lines[letter])]
+
+
+def _number_size(at: FloatArray) -> float:
+    """Size of numbers at these places of paper, so that most of them are apart."""
+    if len(at) < 2:
+        return _NUMBERS[1]
+    near, _ = cKDTree(at).query(at, k=2)
+    return float(np.clip(_SPACING * np.quantile(near[:, 1], 0.1), *_NUMBERS))
+
+
+def _own(faces: NDArray[np.object_], creases: dict[str, IntArray]) -> _Own:
+    try:
+        whole = shapely.coverage_union_all(faces)
+        if not whole.is_valid:
+            raise shapely.GEOSException("faces that overlap")
+    except shapely.GEOSException:
+        whole = shapely.union_all(shapely.make_valid(faces))
+    parts = _with_area(whole)
+    return _Own(parts, *_room(parts), creases)
+
+
+def _room(parts: NDArray[np.object_]) -> tuple[FloatArray, float]:
+    """Where in polygons letters have most room, and the radius of that."""
+    largest = parts[int(np.argmax(shapely.area(parts)))]
+    coarse = 0.05 * float(np.sqrt(largest.area))
+    disk = shapely.maximum_inscribed_circle(largest, tolerance=coarse)
+    return shapely.get_coordinates(disk)[0], float(shapely.length(disk))
+
+
+def _with_area(shapes: Any) -> NDArray[np.object_]:
+    """Polygons among the parts of shapes."""
+    parts = np.atleast_1d(shapely.get_parts(shapes))
+    out: NDArray[np.object_] = parts[shapely.area(parts) > 0]
+    return out
+
+
+def _rings(region: NDArray[np.object_], tolerance: float) -> list[tuple[FloatArray, ...]]:
+    """Rings of polygons, each with its holes."""
+    simple = shapely.simplify(region, tolerance)
+    return [
+        tuple(shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors))
+        for polygon in simple
+        if not polygon.is_empty
+    ]
+
+
+def _filling(
+    low: FloatArray, high: FloatArray, coords: FloatArray, most_mm: tuple[float, float]
+) -> Plan:
+    """A rectangle of a pattern, as large as fits on paper, with what is beside it there."""
+    first, last = coords.min(axis=0), coords.max(axis=0)
+    beyond = _BEYOND * float((last - first).max())
+    first, last = first - beyond, last + beyond
+    low, high = np.maximum(low, first), np.minimum(high, last)
+    room = np.array(most_mm)
+    scale = float((room / np.maximum(high - low, 1e-9)).min())
+    span = np.minimum(room / scale, np.maximum(_WIDER * float((high - low).max()), high - low))
+    span = np.minimum(span, last - first)
+    corner = np.clip((low + high - span) / 2, first, last - span)
+    width, height = (span * scale).tolist()
+    return Plan(scale, -corner * scale, (width, height))
+
+
+def _within(marks: Sequence[Mark], size_mm: tuple[float, float]) -> tuple[Mark, ...]:
+    """What of marks is on the paper of a sketch."""
+    paper = shapely.box(0, 0, *size_mm)
+    out: list[Mark] = []
+    for mark in marks:
+        if isinstance(mark, Area):
+            region = shapely.Polygon(mark.rings[0], mark.rings[1:])
+            if not region.is_valid:
+                region = region.buffer(0)
+            for rings in _rings(_with_area(shapely.intersection(region, paper)), 0.0):
+                out.append(Area(rings, mark.fill))
+            if mark.edge is not None:
+                sides = [np.stack([r, np.roll(r, -1, axis=0)], axis=1) for r in mark.rings]
+                out.append(_clipped(Lines(np.concatenate(sides), mark.edge, mark.edge_mm), paper))
+        elif isinstance(mark, Lines):
+            out.append(_clipped(mark, paper))
+        elif isinstance(mark, Words):
+            x, y = mark.at
+            if 0 <= x <= size_mm[0] and 0 <= y <= size_mm[1]:
+                out.append(mark)
+        else:
+            out.append(mark)
+    return tuple(out)
+
+
+def _clipped(lines: Lines, paper: shapely.Polygon) -> Lines:
+    """What of lines is within a rectangle."""
+    within = shapely.intersection(shapely.linestrings(lines.segments), paper)
+    kept = within[shapely.get_num_coordinates(within) == 2]
+    return replace(lines, segments=shapely.get_coordinates(kept).reshape(-1, 2, 2))
