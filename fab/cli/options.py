@@ -20,6 +20,7 @@ __all__ = [
     "ALLOW_CODE",
     "DRY_RUN",
     "FILE",
+    "FILES",
     "MACHINE",
     "MATERIAL",
     "ONLY_SHEETS",
@@ -86,6 +87,9 @@ def told_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 FILE = click.argument("file", type=click.Path(path_type=Path))
+FILES = click.argument(
+    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILES..."
+)
 OUT = click.option(
     "--out",
     default=".",

@@ -13,7 +13,7 @@ from fab.cli.delivery import FilesOf, Told, deliver, write_made
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
     DRY_RUN,
-    FILE,
+    FILES,
     MACHINE,
     MATERIAL,
     ONLY_SHEETS,
@@ -37,15 +37,20 @@ if TYPE_CHECKING:
 
 __all__ = ["coupon", "fabricate", "sheet_lines", "shipped"]
 
+# Files are named after up to this many patterns.
+_MOST_NAMED = 3
+
 
 @click.command()
-@FILE
+@FILES
 @MATERIAL
 @MACHINE
 @OUT
 @size_options
 @reading_options
-@click.option("--copies", default=None, type=int, help="How many of the model (default: 1).")
+@click.option(
+    "--copies", default=None, metavar="N", help="How many of each, or such as 2,1 (default: 1)."
+)
 @click.option(
     "--two-sided",
     is_flag=True,
@@ -56,31 +61,33 @@ __all__ = ["coupon", "fabricate", "sheet_lines", "shipped"]
 @DRY_RUN
 @told_options
 def fabricate(
-    file: Path,
+    files: tuple[Path, ...],
     material: str | None,
     machine: str | None,
     out: Path,
     size: Size,
     options: ReadOptions,
-    copies: int | None,
+    copies: str | None,
     two_sided: bool,
     changes: tuple[str, ...],
     only: tuple[str, ...],
     dry_run: bool,
     told: Told,
 ) -> None:
-    """Make the sheets that a laser cutter or plotter cuts from a crease pattern.
+    """Make the sheets that a laser cutter or plotter cuts from crease patterns.
 
-    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
+    FILES are FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; pieces of several lie on the same sheets.
     """
     with answers() as interrupts:
         from fab.drawings.drawing_files import USUAL, SheetFormat
         from fab.jobs.file_names import SHEETS
-        from fab.jobs.sheet_files import FabricatedFormat, fabricate
+        from fab.jobs.sheet_files import FabricatedFormat, fabricate_together
         from fab.outputs import plain_title
+        from fab.sheets.cut_pieces import PatternCopies
         from fab.sheets.cutter_settings import cutter_tables
 
-        tables = cutter_tables(changes, _given(changes, material, machine, copies, two_sided))
+        of_all, of_each = _copies(copies, len(files))
+        tables = cutter_tables(changes, _given(changes, material, machine, of_all, two_sided))
         other = (FabricatedFormat.HTML, FabricatedFormat.ASSEMBLY)
         usual = [*map(FabricatedFormat, USUAL), *other]
         chosen = formats_of(only, FabricatedFormat) or usual
@@ -91,18 +98,63 @@ def fabricate(
             guide=FabricatedFormat.ASSEMBLY in chosen,
         )
 
-        def make(progress: Progress) -> Made:
-            pattern, name, findings = sheet_of(file, options, size)
-            return fabricate(
-                pattern,
-                name,
-                request,
-                findings=findings,
-                progress=progress,
-            )
+        titles = _titles([plain_title(file.stem) for file in files])
+        name = _together(titles)
 
-        files = FilesOf(plain_title(file.stem), [SHEETS])
-        deliver(interrupts, make, out, files, dry_run=dry_run, summary=sheet_lines, told=told)
+        def make(progress: Progress) -> Made:
+            patterns = []
+            for file, title, many in zip(files, titles, of_each, strict=True):
+                pattern, _, findings = sheet_of(file, options, size)
+                patterns.append(PatternCopies(title, pattern, many, tuple(findings)))
+            return fabricate_together(patterns, name, request, progress=progress)
+
+        made = FilesOf(name, [SHEETS])
+        deliver(interrupts, make, out, made, dry_run=dry_run, summary=sheet_lines, told=told)
+
+
+def _copies(text: str | None, files: int) -> tuple[int | None, list[int]]:
+    """How many of all patterns, if that is said, and how many times that of each."""
+    if text is None:
+        return None, [1] * files
+    try:
+        numbers = [int(number) for number in text.split(",")]
+    except ValueError as error:
+        raise InvalidJob(
+            f"--copies {shortened(text)}: must be a whole number, or one for each file: 2,1."
+        ) from error
+    if len(numbers) == 1:
+        return numbers[0], [1] * files
+    if len(numbers) != files:
+        raise InvalidJob(
+            f"--copies {shortened(text)}: {len(numbers)} numbers for {counted(files, 'file')}. "
+            "Give one number, or one for each file."
+        )
+    return 1, numbers
+
+
+def _titles(names: Sequence[str]) -> list[str]:
+    """Names of patterns, those that are there already with a number.
+
+    >>> _titles(["lid", "box", "lid"])
+    ['lid', 'box', 'lid_2']
+    """
+    titles: list[str] = []
+    for name in names:
+        numbered = (f"{name}_{number}" for number in range(2, len(names) + 2))
+        free = (title for title in (name, *numbered) if title not in titles)
+        titles.append(next(free))
+    return titles
+
+
+def _together(titles: Sequence[str]) -> str:
+    """What the files of several patterns are named after.
+
+    >>> _together(["lid", "box"]), _together(["lid", "box", "foot", "hinge"])
+    ('lid_box', 'lid_and_3_more')
+    """
+    if len(titles) <= _MOST_NAMED:
+        return "_".join(titles)
+    return f"{titles[0]}_and_{len(titles) - 1}_more"
 
 
 def _given(
@@ -133,6 +185,11 @@ def sheet_lines(report: Mapping[str, Any]) -> Iterator[str]:
         f"{counted(len(sheets), 'sheet')} of {width:g} x {depth:g} mm, "
         f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes"
     )
+    if len(report["patterns"]) > 1:
+        for row in report["patterns"]:
+            copies = counted(row["copies"], "copy", "copies")
+            pieces, seams = counted(row["pieces"], "piece"), counted(row["seams"], "seam")
+            yield f"{row['name']}: {copies} of {pieces}, {seams}"
     if "turn" in sheets[0]:  # two-sided
         others = " Treat the other sheets alike." if len(sheets) > 1 else ""
         yield sheets[0]["turn"] + others

@@ -406,7 +406,7 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
                     files |= assembly_file(guide, settings.name)
         return _Part(
             files,
-            made.findings,
+            [*(found for cut in made.cut for found in cut.findings), *made.findings],
             {key: value for key, value in made.report.items() if key != "name"},
             paths=made.paths,
             colours=request.machine.colours,

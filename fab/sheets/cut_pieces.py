@@ -24,7 +24,7 @@ from fab.sheets.perforation import CutPiece, cut_piece
 from fab.sheets.piece_patterns import Before, Piece
 from fab.sheets.pieces import Pieces, split
 from fab.sheets.sheet_request import SheetRequest
-from solver.errors import InvalidState, InvalidValue
+from solver.errors import InvalidState, InvalidValue, require_count
 
 __all__ = [
     "CutPattern",
@@ -42,11 +42,18 @@ _MOST_PLACED = 10_000
 
 @dataclass(frozen=True)
 class PatternCopies:
-    """A crease pattern, what it is called, and how many of it each copy of the request has."""
+    """A crease pattern, what it is called, and how many of it each copy of the request has.
+
+    findings : of the pattern's reader. Raises `InvalidValue` for copies that are no such number.
+    """
 
     name: str
     pattern: CreasePattern
     copies: int = 1
+    findings: tuple[Finding, ...] = ()
+
+    def __post_init__(self) -> None:
+        require_count("copies", self.copies, 1, "Ask for one copy or more.")
 
 
 @dataclass(frozen=True)

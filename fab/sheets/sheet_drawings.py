@@ -42,7 +42,7 @@ class SheetDrawings:
     report : as in `fab.sheets.sheet_report`.
     cut : the patterns as they are cut, in their order.
     placements : where their pieces lie, numbered one pattern after another.
-    findings : of each pattern, and then of all sheets.
+    findings : of all sheets, besides those of each pattern as it is cut.
     """
 
     files: Mapping[str, bytes]
@@ -108,7 +108,6 @@ def sheet_drawings(
     ]
     report = sheet_report(name, request, _together(cut), placements, listed, rows)
     findings = (
-        *(finding for made in cut for finding in made.findings),
         *turned,
         *finish_findings(beds, [ring for sheet in drawn for ring in sheet.bare], request),
         *_short_stock(len(beds), request),

@@ -55,7 +55,7 @@ def sheet_report(
             {"name": piece.name, "pattern": owner, "faces": int((piece.faces >= 0).sum())}
             for piece, owner in zip(pieces.pieces, owners, strict=True)
         ],
-        "glue_up": _glue_up(pieces, placements),
+        "glue_up": _glue_up(pieces, placements, owners),
     }
 
 
@@ -88,8 +88,8 @@ def _of_sheet(
     }
 
 
-def _glue_up(pieces: Pieces, placements: Placements) -> list[dict[str, Any]]:
-    """One row for each seam, in the order of assembling."""
+def _glue_up(pieces: Pieces, placements: Placements, owners: Sequence[str]) -> list[dict[str, Any]]:
+    """One row for each seam, in the order of assembling; owners : the pattern of each piece."""
     placed = {item.piece: item for item in placements.items if item.copy == 0}
     rows = []
     for seam in pieces.seams:
@@ -101,6 +101,7 @@ def _glue_up(pieces: Pieces, placements: Placements) -> list[dict[str, Any]]:
         rows.append(
             {
                 "label": seam.label,
+                "pattern": owners[seam.pieces[0]],
                 "length_mm": _rounded(seam.length_mm),
                 "fold_angle_deg": _rounded(seam.fold_angle_deg),
                 "pieces": [pieces.pieces[number].name for number in seam.pieces],
