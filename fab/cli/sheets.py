@@ -177,13 +177,15 @@ def _given(
 
 
 def sheet_lines(report: Mapping[str, Any]) -> Iterator[str]:
-    """How many pieces, seams and sheets a report has, how long they take, how to turn them."""
-    sheets = report["sheets"]
+    """Pieces, seams and sheets of a report, how long they take, their mass, how to turn them."""
+    sheets, material = report["sheets"], report["material"]
     width, depth = report["machine"]["bed_mm"]
+    covered_mm3 = sum(each["used"] for each in sheets) * width * depth * material["thickness_mm"]
+    mass_g = covered_mm3 * material["density_kg_m3"] * 1e-6
     yield (
         f"{counted(len(report['pieces']), 'piece')}, {counted(len(report['glue_up']), 'seam')}, "
         f"{counted(len(sheets), 'sheet')} of {width:g} x {depth:g} mm, "
-        f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes"
+        f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes, {mass_g:.3g} g"
     )
     if len(report["patterns"]) > 1:
         for row in report["patterns"]:

@@ -3,10 +3,12 @@
 import json
 import re
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers import ROOT, TEMPLATES
 
+import fab
 from fab.cli.group import main
 from fab.cli.progress_lines import StageLines
 from fab.jobs.file_names import FAMILIES, left_over
@@ -198,3 +200,25 @@ def test_templates_are_listed_by_a_word_of_their_name_or_description():
     none = run("templates", "zzz")
     assert none.exit_code == 2
     assert "has 'zzz' in its name or description" in none.stderr
+
+
+def test_the_closing_lines_of_sheets_have_time_and_mass(tmp_path):
+    words = [
+        f'cutter.{key}="{name}"'
+        for key, name in zip(("material", "machine"), STOCK[1::2], strict=True)
+    ]
+    changes = [word for change in words for word in ("--set", change)]
+    lines = run("run", "miura", *changes, "--only", "fold,dxf", "--out", tmp_path).stdout
+    report = json.loads((tmp_path / "miura_report.json").read_text())
+    found = re.search(
+        r"^1 piece, 0 seams, 1 sheet of 600 x 400 mm, about ([\d.]+) minutes, ([\d.]+) g$",
+        lines,
+        re.MULTILINE,
+    )
+    minutes, grams = map(float, found.groups())
+    assert minutes == round(report["sheets"][0]["minutes"], 1)
+    pattern, _ = fab.read_pattern(tmp_path / "miura.fold")
+    x, y = pattern.vertices_coords[pattern.faces_vertices].reshape(-1, 4, 2).transpose(2, 0, 1)
+    doubled = x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)
+    area_m2 = np.abs(doubled.sum(axis=1)).sum() / 2e6
+    assert grams == pytest.approx(area_m2 * 300, rel=0.01)  # kerf is cut beside the sheet
