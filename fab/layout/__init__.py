@@ -3,6 +3,7 @@
 - `face_sets` is about sets of faces of a flat sheet, a `SheetToDivide`: whether they fit a bed with
   their tabs (`extent`, `upright`); `partition` divides the sheet into such sets.
 - `assembly_order` orders and names the pieces: `assembly_order`, `piece_name`.
-- `nesting` places pieces on as few beds as it finds: `nest`, `Placements`; `gap_filling` fills the
-  gaps between them. `piece_gaps` sets pieces apart that touch or come too near.
+- `nesting` places pieces on as few beds as it finds: `nest`, `Placements`; `turned_pieces` are what
+  it places, `bed_filling` fills one bed after another, and `gap_filling` the gaps between pieces.
+- `piece_gaps` sets pieces apart that touch or come too near.
 """

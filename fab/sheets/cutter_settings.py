@@ -40,6 +40,11 @@ class CutterSettings(CutWishes):
         le=500,
         description="kept free between two pieces; 2 mm, or 4 kerfs, where left out",
     )
+    priority: list[str] = Field(
+        default=[],
+        description="pieces that lie on the first sheets, by their names, such as A, or those of "
+        "their patterns",
+    )
     grain_deg: Degrees | None = Field(
         default=None,
         description="direction in the pattern that is to lie along the grain, 0 for x; pieces are "
@@ -82,6 +87,7 @@ class CutterSettings(CutWishes):
             wishes=CutWishes.model_validate({key: getattr(self, key) for key in wishes}),
             names=(_stem(self.material), _stem(self.machine)),
             guide=guide,
+            priority=tuple(self.priority),
         )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from fab.drawings.cut_paths import CutPaths, Layer, joined
 from fab.drawings.drawing_files import SheetFormat, drawing_files
-from fab.errors import Finding, Severity, counted
+from fab.errors import Finding, Severity, counted, did_you_mean
 from fab.layout.nesting import Placements, nest
 from fab.progress import Progress, silent
 from fab.sheets.cut_pieces import CutPattern, PatternCopies, cut_pattern, outline
@@ -26,6 +26,7 @@ from fab.sheets.sheet_report import PatternRow, estimate_report, sheet_report, s
 from fab.sheets.sheet_request import SheetRequest
 from fab.sheets.turned_cuts import cut_as_placed
 from fab.sheets.work_estimate import estimate
+from solver.errors import InvalidValue
 from solver.vectors import FloatArray
 
 __all__ = ["SheetDrawings", "sheet_drawings", "sheets"]
@@ -81,7 +82,8 @@ def sheet_drawings(
         cut.append(made)
         copies += [many] * len(made.layers)
     layers = [piece for made in cut for piece in made.layers]
-    placements = _placed(layers, copies, request, progress)
+    first = _first(patterns, cut, request)
+    placements = _placed(layers, copies, first, request, progress)
     lying = placements
     turned: tuple[Finding, ...] = ()
     if not request.machine.beam.is_round:
@@ -139,6 +141,7 @@ def _together(cut: Sequence[CutPattern]) -> Pieces:
 def _placed(
     layers: Sequence[Sequence[Layer]],
     copies: Sequence[int],
+    first: Sequence[bool],
     request: SheetRequest,
     progress: Progress,
 ) -> Placements:
@@ -153,7 +156,30 @@ def _placed(
         request.margin_mm,
         partial(progress, "nest"),
         rotations_deg=request.rotations_deg,
+        first=first,
     )
+
+
+def _first(
+    patterns: Sequence[PatternCopies], cut: Sequence[CutPattern], request: SheetRequest
+) -> list[bool]:
+    """Whether each piece is to lie on the first sheets. Raises `InvalidValue` for unknown names."""
+    names = [
+        (piece.name, wanted.name)
+        for wanted, made in zip(patterns, cut, strict=True)
+        for piece in made.pieces.pieces
+    ]
+    known = {name for both in names for name in both}
+    for name in request.priority:
+        if name not in known:
+            pieces = f"{names[0][0]} to {names[-1][0]}" if len(names) > 1 else names[0][0]
+            raise InvalidValue(
+                "cutter.priority",
+                repr(name),
+                f"name a piece, {pieces}, or a pattern, {', '.join(p.name for p in patterns)}",
+                f"The report lists them.{did_you_mean(name, known)}",
+            )
+    return [not {*both}.isdisjoint(request.priority) for both in names]
 
 
 def sheets(

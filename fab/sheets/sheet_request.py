@@ -47,6 +47,7 @@ class SheetRequest:
         where it matters no more than the rotations of the material say.
     piece_gap_mm : kept free between two pieces; None for 2 mm, or 4 kerfs of a wide beam.
     wishes : for the cuts. names : of material and machine, for titles.
+    priority : names of pieces, or of patterns for all of theirs, that lie on the first sheets.
 
     Raises `InvalidValue` for copies that are no such number, and for slots that are not wider than
     the kerf; `InvalidState` for G-code of a machine that has no power to cut with, for two-sided
@@ -66,6 +67,7 @@ class SheetRequest:
     wishes: CutWishes = field(default_factory=CutWishes)
     names: tuple[str, str] = field(default=("", ""), compare=False)
     guide: bool = False
+    priority: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")

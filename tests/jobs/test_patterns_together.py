@@ -162,3 +162,25 @@ def test_bad_requests_write_nothing(here, words, text):
     assert result.exit_code == 2, result.output
     assert text in result.output
     assert sorted(path.name for path in here.iterdir()) == ["box.fold", "lid.fold"]
+
+
+@pytest.mark.parametrize("priority", [["box"], ["B"]])
+def test_patterns_and_pieces_with_priority_lie_on_the_first_sheet(priority):
+    """Boards fill a sheet each, so that a small box would come last."""
+    wanted = [PatternCopies("board", grid(3, 2, 90.0), 2), PatternCopies("box", grid(2, 1, 30.0))]
+    late = fabricate_together(wanted, "all", requested()).report["sheets"]
+    early = fabricate_together(wanted, "all", requested(priority=priority)).report["sheets"]
+    assert "B" not in late[0]["pieces"]
+    assert "B" in early[0]["pieces"]
+    assert sorted(name for sheet in early for name in sheet["pieces"]) == ["A", "A", "B"]
+
+
+def test_priority_of_nothing_is_refused():
+    wanted = [PatternCopies("board", grid(2, 1, 40.0)), PatternCopies("box", grid(2, 1, 30.0))]
+    with pytest.raises(InvalidValue, match="name a piece, A to B, or a pattern, board, box"):
+        fabricate_together(wanted, "all", requested(priority=["bax"]))
+
+
+def test_every_finding_is_told_once():
+    made = fabricate_together([PatternCopies("m", strips(0.05, 2, 3))], "m", requested())
+    assert len(set(made.findings)) == len(made.findings) > 1

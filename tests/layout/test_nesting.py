@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.drawings.cut_paths import Layer, Operation
-from fab.layout import nesting
+from fab.layout import bed_filling
 from fab.layout.nesting import Placements, nest
 from fab.pattern.development import develop
 from fab.sheets.sheet_drawings import sheets
@@ -160,7 +160,7 @@ def test_a_piece_with_many_corners_keeps_its_gap():
 
 
 def test_many_pieces_are_placed_in_batches_that_can_be_interrupted(monkeypatch):
-    monkeypatch.setattr(nesting, "_BATCH_CORNERS", 160)
+    monkeypatch.setattr(bed_filling, "_BATCH_CORNERS", 160)
     outlines = stars(90, 5, 40.0)
     seen = []
     placements = nest(outlines, BED, 2.0, margin_mm=5.0, progress=lambda *steps: seen.append(steps))
@@ -184,19 +184,19 @@ def test_batches_lie_apart_and_inside(seed, gap, margin, corners):
     """Small batches, so that there are many."""
     outlines = [*stars(14, seed, 70.0), *stars(6, seed, 20.0)]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(nesting, "_BATCH_CORNERS", corners)
+        patch.setattr(bed_filling, "_BATCH_CORNERS", corners)
         placements = nest(outlines, BED, gap, 2, margin)
     check(outlines, placements, BED, gap, 2, margin)
 
 
 def test_copies_of_full_sheets_cost_nothing(monkeypatch):
-    right, calls = nesting._fill, []
+    right, calls = bed_filling._fill, []
 
     def counted(*arguments):
         calls.append(arguments)
         return right(*arguments)
 
-    monkeypatch.setattr(nesting, "_fill", counted)
+    monkeypatch.setattr(bed_filling, "_fill", counted)
     placements = nest([ANGLE], BED, 2.0, 300)
     check([ANGLE], placements, BED, 2.0, 300, 0.0)
     assert len(placements.used) >= 25
@@ -251,7 +251,7 @@ def test_the_same_pieces_give_the_same_bytes():
 @pytest.mark.parametrize("answer", ["none", "overlapping", "outside"])
 def test_wrong_answers_of_the_library_are_discarded(monkeypatch, answer):
     """Boxes take their place; where boxes are wrong as well, one piece alone."""
-    right, calls = nesting._solve, []
+    right, calls = bed_filling._solve, []
 
     def wrong(wanted, offered, strategy, room, gap_mm):
         calls.append(strategy)
@@ -264,8 +264,8 @@ def test_wrong_answers_of_the_library_are_discarded(monkeypatch, answer):
             return [(n, turn, np.zeros(2)) for n, turn, _ in found]
         return [(n, turn, 10.0 * shift) for n, turn, shift in found]
 
-    monkeypatch.setattr(nesting, "_solve", wrong)
-    monkeypatch.setattr(nesting, "_between", lambda *_: [])
+    monkeypatch.setattr(bed_filling, "_solve", wrong)
+    monkeypatch.setattr(bed_filling, "_between", lambda *_: [])
     outlines = stars(5, 2)
     placements = nest(outlines, BED, 2.0, 2, 5.0)
     check(outlines, placements, BED, 2.0, 2, 5.0)
@@ -337,3 +337,26 @@ def test_placements_are_read_only():
     placements = nest([ANGLE], BED, 1.0)
     assert isinstance(placements, Placements)
     assert not placements.used.flags.writeable
+
+
+@settings(max_examples=15)
+@given(st.integers(1, 4), st.integers(1, 6), st.integers(1, 3), st.integers(0, 2**32 - 1))
+def test_first_pieces_are_on_the_first_sheets_on_as_many_as_alone(early, late, copies, seed):
+    """And what comes after them lies apart and inside, as ever."""
+    outlines = stars(early + late, seed, 80.0)
+    first = [number < early for number in range(early + late)]
+    placements = nest(outlines, BED, 2.0, copies, 5.0, first=first)
+    check(outlines, placements, BED, 2.0, copies, 5.0)
+    alone = nest(outlines[:early], BED, 2.0, copies, 5.0)
+    with_first = {item.sheet for item in placements.items if item.piece < early}
+    assert with_first == set(range(len(alone.used)))
+
+
+def test_small_pieces_come_first_where_that_is_asked_for():
+    """A large piece fills a bed each; the small ones then lie with the first of them or before."""
+    large, small = shapely.box(0, 0, 180, 130), shapely.box(0, 0, 20, 20)
+    bed = (200.0, 150.0)
+    later = nest([large, small], bed, 2.0, [2, 6], 5.0)
+    assert {item.sheet for item in later.items if item.piece == 1} == {2}
+    early = nest([large, small], bed, 2.0, [2, 6], 5.0, first=[False, True])
+    assert {item.sheet for item in early.items if item.piece == 1} == {0}
