@@ -7,7 +7,7 @@ overlap at one thickness are all that can overlap below it, and the bound is fou
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -27,11 +27,39 @@ from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings, least_thickness_mm
 from fab.panels.inset_limits import largest_where
 from fab.panels.thick_sheet import ThickSheet, rigid_sheet
-from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.crease_pattern import CreasePattern, scaled
 from fab.progress import Progress, silent
 from solver.vectors import IntArray
 
-__all__ = ["clear_up_to", "collisions"]
+__all__ = ["Collisions", "clear_up_to", "collisions"]
+
+
+@dataclass(frozen=True)
+class Collisions:
+    """Whether panels overlap at the target, for any thickness, in mm, and scale of the sheet.
+
+    Called with a thickness, it is `clear_up_to` there. target : the state, for the scale 1; found
+    when it is first needed.
+    """
+
+    pattern: CreasePattern
+    panel: PanelSettings
+    hinge: HingeSettings
+    target: Callable[[], FoldedState]
+
+    def __call__(self, thickness_mm: float) -> float | None:
+        return clear_up_to(self.pattern, self._panel(thickness_mm), self.hinge, self.target())
+
+    def free(self, thickness_mm: float, scale: float) -> bool:
+        """Whether no panels overlap at a scale, more deeply than faces that bend explain."""
+        state = self.target()
+        larger = replace(state, shifts=scale * state.shifts, bend_mm=scale * state.bend_mm)
+        pattern = scaled(self.pattern, factor=scale)
+        sheet, _ = rigid_sheet(pattern, self._panel(thickness_mm), self.hinge)
+        return not len(_overlapping(sheet, larger))
+
+    def _panel(self, thickness_mm: float) -> PanelSettings:
+        return self.panel.model_copy(update={"thickness_mm": thickness_mm})
 
 
 def collisions(
@@ -40,8 +68,8 @@ def collisions(
     hinge: HingeSettings,
     progress: Progress = silent,
     states: Sequence[FoldedState] | None = None,
-) -> Callable[[float], float | None]:
-    """As `clear_up_to` at the target, for any thickness to begin with, in mm.
+) -> Collisions:
+    """Whether panels overlap at the target of a pattern.
 
     The target is the folded form of the pattern or of its angles; where the fold limit of the
     panels stops the sheet before it, or there is no such form, it is the last state of the
@@ -62,11 +90,7 @@ def collisions(
         within = states_within(pattern, faces, every, limit)[0]
         return next((s for s in reversed(within) if s.stage != Stage.BETWEEN), within[-1])
 
-    def clear(thickness_mm: float) -> float | None:
-        given = panel.model_copy(update={"thickness_mm": thickness_mm})
-        return clear_up_to(pattern, given, hinge, target())
-
-    return clear
+    return Collisions(pattern, panel, hinge, target)
 
 
 def clear_up_to(

@@ -66,7 +66,7 @@ def run(
         if suggest:
             with progress_of(interrupts) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
-            say_window(pattern, loaded.printed(loaded.print_with(loaded.folder)), interrupts)
+            say_window(pattern, loaded, loaded.print_with(loaded.folder), interrupts)
             tell(findings)
             return
         deliver(

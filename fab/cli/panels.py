@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
     from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
-    from fab.printing.thick_settings import ThickSettings
+    from fab.printing.thick_settings import PrintWith, ThickSettings
     from fab.progress import Progress
 
 __all__ = ["say_window", "thicken"]
@@ -94,7 +94,7 @@ def thicken(
         print_with = settings.print_with()
         if suggest:
             pattern, _, findings = sheet_of(file, options, size)
-            say_window(pattern, settings.printed(print_with), interrupts)
+            say_window(pattern, settings, print_with, interrupts)
             tell(findings)
             return
 
@@ -122,11 +122,15 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
         yield f"{panels}, {hinges}, {size} mm"
 
 
-def say_window(pattern: CreasePattern, settings: ThickSettings, interrupts: Interrupts) -> None:
+def say_window(
+    pattern: CreasePattern, settings: ThickSettings, print_with: PrintWith, interrupts: Interrupts
+) -> None:
     """The feasible window of scale and thickness of a sheet, line by line."""
     from fab.jobs.suggestion import suggested_window
 
     with progress_of(interrupts) as progress:
-        window = suggested_window(pattern, settings, progress)
+        window = suggested_window(
+            pattern, settings.printed(print_with), progress, print_with.printer
+        )
     for line in window.lines():
         say(line)

@@ -38,6 +38,7 @@ __all__ = [
     "MOST_THICKNESS_MM",
     "PanelSettings",
     "Panels",
+    "lost_sides",
     "make_panels",
 ]
 
@@ -254,6 +255,16 @@ def _lost(sides: Sides, back: Setbacks, heights_mm: tuple[float, float], face: i
     low, high = spans(sides, back, z, rows)
     lost: list[int] = sides.edges[rows[high - low < SHORTEST_SIDE_MM]].tolist()
     return lost
+
+
+def lost_sides(panels: Panels) -> IntArray:
+    """Edges under sides of convex panels that do not reach their axis height, or their end."""
+    sides = panels.sides
+    own = panels.faces_has_panel & are_convex(sides.start, sides.offsets)
+    rows = np.flatnonzero(own[sides.faces])
+    z = float(np.clip(0.0, *panels.heights_mm))
+    low, high = spans(sides, panels.setbacks, z, rows)
+    return np.unique(sides.edges[rows[high - low < SHORTEST_SIDE_MM]])
 
 
 def _not_convex(faces: IntArray) -> list[Finding]:

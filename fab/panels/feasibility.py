@@ -14,6 +14,7 @@ from fab.panels.bevelled_panels import (
     MOST_THICKNESS_MM,
     Panels,
     PanelSettings,
+    lost_sides,
     make_panels,
 )
 from fab.panels.hinge_room import crease_sides
@@ -88,8 +89,22 @@ class Feasibility:
         scale: float = 1.0,
         limit_deg: float | None = None,
     ) -> IntArray:
-        """Creases between two panels that have no room for the hinge that they should have."""
-        return self._hinged(self._room(thickness_mm, scale, limit_deg))[1]
+        """Edges beside panels, without room for their hinge or for the side of a panel."""
+        panels = self._room(thickness_mm, scale, limit_deg)
+        return np.union1d(self._hinged(panels)[1], lost_sides(panels))
+
+    def whole(
+        self,
+        thickness_mm: float | None = None,
+        *,
+        scale: float = 1.0,
+        limit_deg: float | None = None,
+    ) -> bool:
+        """Whether all faces have a panel, and no edge is `hingeless`."""
+        panels = self._room(thickness_mm, scale, limit_deg)
+        if not panels.faces_has_panel.all() or len(lost_sides(panels)):
+            return False
+        return not len(self._hinged(panels)[1])
 
     def parts(self, limit_deg: float) -> int:
         """Number of bodies that panels make with their hinges, at a fold limit."""
@@ -112,7 +127,7 @@ class Feasibility:
 
         At least what panels of such an axis and such hinges need, at most 1000 mm; None where no
         thickness between these helps. spare_rel : share of the sheet's area that may be without.
-        hinges : whether all creases between panels have room for their hinges, too.
+        hinges : whether no edge is `hingeless`, too.
         """
         chosen = self._chosen(faces)
 
@@ -129,12 +144,17 @@ class Feasibility:
         return _also_where(holds, lambda t: not len(self.hingeless(t)), least, most)
 
     def largest_limit_deg(
-        self, faces: IntArray | None = None, *, spare_rel: float = 0.0, hinges: bool = False
+        self,
+        faces: IntArray | None = None,
+        *,
+        spare_rel: float = 0.0,
+        hinges: bool = False,
+        widest_mm: float | None = None,
     ) -> float | None:
         """The largest fold limit, degrees, at which some faces, or all, have a panel, or None.
 
         All creases with knuckles, where there are any, turn as far. spare_rel, hinges : as in
-        `largest_thickness_mm`.
+        `largest_thickness_mm`. widest_mm : of gaps that clearance makes (`gaps_kept`).
         """
         chosen = self._chosen(faces)
         knuckled = crease_kinds(self.pattern, self.hinge) == "knuckle"
@@ -145,6 +165,10 @@ class Feasibility:
             return bool(turns) and self._suffice(panels.faces_has_panel, chosen, spare_rel)
 
         most = largest_where(holds, _LEAST_LIMIT_DEG, 180.0)
+        if most is not None and widest_mm is not None:
+            most = _also_where(
+                holds, lambda limit: self.gaps_kept(limit, widest_mm), _LEAST_LIMIT_DEG, most
+            )
         if not hinges or most is None:
             return most
         return _also_where(

@@ -17,7 +17,7 @@ from fab.panels.lost_faces import lifting
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import IntArray
 
-__all__ = ["panels_within_reach", "reachable_limit_deg"]
+__all__ = ["panels_within_reach", "reachable_limit_deg", "widest_gap_mm"]
 
 # Faces without a panel on a sheet so many times as large are lost to folds, not to their size.
 _LARGER = 10.0
@@ -54,6 +54,11 @@ def panels_within_reach(
     return made, [_limited(feasibility, np.flatnonzero(lost), limit)]
 
 
+def widest_gap_mm(panel: PanelSettings) -> float:
+    """How wide clearance may make the gaps of panels that fold as far as they can."""
+    return max(panel.gap_mm, _WIDEST_GAP * panel.clearance_mm)
+
+
 def reachable_limit_deg(feasibility: Feasibility) -> float | None:
     """The largest fold limit that works for a sheet, degrees, rounded down to four digits, or None.
 
@@ -62,23 +67,17 @@ def reachable_limit_deg(feasibility: Feasibility) -> float | None:
     area, or without hinges of creases whose panels others hold together, panels fold further by
     half or more, it is the largest for these.
     """
-    whole = feasibility.largest_limit_deg(hinges=True)
-    rest = feasibility.largest_limit_deg(spare_rel=SLIVERS_REL)
-    if rest is not None:
+    widest = widest_gap_mm(feasibility.panel)
+    whole = feasibility.largest_limit_deg(hinges=True, widest_mm=widest)
+    rest = feasibility.largest_limit_deg(spare_rel=SLIVERS_REL, widest_mm=widest)
+    if rest is not None and (whole is None or rest >= _FURTHER * whole):
         parts = feasibility.parts(_LEAST_LIMIT_DEG)
         rest = largest_where(
             lambda limit: feasibility.parts(limit) <= parts, _LEAST_LIMIT_DEG, rest, _EXACT
         )
-    if whole is None or (rest is not None and rest >= _FURTHER * whole):
-        whole = rest
-    if whole is None:
-        return None
-    panel = feasibility.panel
-    widest = max(panel.gap_mm, _WIDEST_GAP * panel.clearance_mm)
-    kept = largest_where(
-        lambda limit: feasibility.gaps_kept(limit, widest), _LEAST_LIMIT_DEG, whole, _EXACT
-    )
-    return float(rounded_down(whole if kept is None else kept))
+        if rest is not None and (whole is None or rest >= _FURTHER * whole):
+            whole = rest
+    return None if whole is None else float(rounded_down(whole))
 
 
 def _limited(feasibility: Feasibility, faces: IntArray, limit_deg: float) -> Finding:

@@ -19,6 +19,9 @@ __all__ = ["inspect_feasibility", "lifting"]
 
 # Advice without slivers is given where it is better by this factor.
 _BETTER = 1.1
+_TOO_THICK = (
+    " No thickness that its hinges allow helps; lower gap_mm, clearance_mm or fold_limit_deg."
+)
 
 
 def inspect_feasibility(
@@ -59,13 +62,14 @@ def inspect_feasibility(
 def _slivers(feasibility: Feasibility, faces: IntArray) -> str:
     """What becomes of faces that are a small part of the sheet, and what would save them."""
     share, several = feasibility.faces_share[faces].sum(), len(faces) > 1
-    cures, _ = _cures(feasibility, faces)
-    return (
+    cures, thick = _cures(feasibility, faces)
+    text = (
         f"{counted(len(faces), 'face has', 'faces have')} no panel, {_percent(share)} of the "
         f"sheet's area: {'they stay' if several else 'it stays'} open, as a part of the gaps "
         f"around {'them' if several else 'it'}. {'All of them have' if several else 'It has'} one "
         f"with {', or '.join(cures)}."
     )
+    return text if thick else text + _TOO_THICK
 
 
 def _vanished(feasibility: Feasibility, faces: IntArray) -> str:
@@ -88,10 +92,7 @@ def _vanished(feasibility: Feasibility, faces: IntArray) -> str:
             f" Without {_those(feasibility, needy)} the others have one with "
             f"{', or '.join(rest_cures)}."
         )
-    if not thick:
-        text += " No thickness that its hinges allow helps; lower gap_mm, clearance_mm or "
-        text += "fold_limit_deg."
-    return text
+    return text if thick else text + _TOO_THICK
 
 
 def _cures(
