@@ -84,6 +84,8 @@ def _vanished(feasibility: Feasibility, faces: IntArray) -> str:
     )
     if several:
         text += f" Face {faces[scales.argmax()]} needs most."
+    if not thick:
+        text += _TOO_THICK
     rest = feasibility.least_scale(faces=faces, spare_rel=SLIVERS_REL)
     if rest is not None and scales.max() > _BETTER * rest:
         needy = faces[scales > rest]
@@ -92,7 +94,7 @@ def _vanished(feasibility: Feasibility, faces: IntArray) -> str:
             f" Without {_those(feasibility, needy)} the others have one with "
             f"{', or '.join(rest_cures)}."
         )
-    return text if thick else text + _TOO_THICK
+    return text
 
 
 def _cures(
