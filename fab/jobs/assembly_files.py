@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,16 @@ from fab.sheets.rim_points import rim_points
 from fab.sheets.sheet_drawings import SheetDrawings
 from fab.sheets.sheet_request import SheetRequest
 from fab.viewing.assembly.guide import assembly_guide
-from fab.viewing.assembly.parts import Assembly, CutPiece, CutSheet, Joint, Model, Motion, Point
+from fab.viewing.assembly.parts import (
+    Assembly,
+    CutPiece,
+    CutSheet,
+    Hold,
+    Joint,
+    Model,
+    Motion,
+    Point,
+)
 from fab.viewing.drawing import size_text
 from fab.viewing.leaflet import Leaflet
 from solver.errors import OrigamiError
@@ -59,7 +69,21 @@ def guide_of(
         points += 0 if cut.meeting is None else len(cut.meeting.vertices)
     sheets = _cut_sheets(request, made.placements, made.report)
     facts = tuple(_facts(request, made.report))
-    return assembly_guide(Assembly(name, made_by, tuple(models), sheets, facts))
+    cutting = tuple(_cutting(request, made.report))
+    face_down = request.wishes.mirror
+    return assembly_guide(Assembly(name, made_by, tuple(models), sheets, facts, cutting, face_down))
+
+
+def _cutting(request: SheetRequest, report: Mapping[str, Any]) -> list[str]:
+    """What is to be done when the sheets are cut."""
+    out = []
+    turn = report["sheets"][0].get("turn")
+    if turn is not None:
+        out.append(turn)
+    if request.wishes.bridges:
+        bridges = counted(request.wishes.bridges, "bridge")
+        out.append(f"Each piece hangs in its sheet by {bridges}: cut through them with a knife.")
+    return out
 
 
 def _model(
@@ -85,6 +109,7 @@ def _model(
             seam.pieces,
             seam.length_mm,
             seam.fold_angle_deg,
+            Hold.TAPE if seam.tab is None else Hold.TAB,
             None if seam.tab is None else seam.pieces[seam.tab],
         )
         for seam in cut.pieces.seams
@@ -156,7 +181,9 @@ def _cut_piece(pattern: CreasePattern, piece: Piece, layers: Sequence[Layer]) ->
     place = pattern.vertices_coords[pattern.faces_vertices[chosen]]
     source = own.vertices_coords[own.faces_vertices[: own.faces_offsets[count]]]
     corners = own.vertices_coords[own.faces_vertices[own.faces_offsets[count] :]]
-    tabs = _carried(source, place, corners).reshape(-1, 4, 2)
+    carried = _carried(source, place, corners)
+    starts = own.faces_offsets[count:] - own.faces_offsets[count]
+    tabs = tuple(carried[a:b] for a, b in pairwise(starts.tolist()))
     return CutPiece(piece.name, faces, tabs, rings, piece.name not in piece.unwritten)
 
 
@@ -174,11 +201,16 @@ def _cut_sheets(
     request: SheetRequest, placements: Placements, report: Mapping[str, Any]
 ) -> tuple[CutSheet, ...]:
     """All sheets, alike ones together."""
+    mirrored = request.wishes.mirror
+    flip = np.diag([-1.0 if mirrored else 1.0, 1.0])
+    over = np.array([request.machine.bed_mm[0] if mirrored else 0.0, 0.0])
     alike: dict[tuple[Any, ...], list[int]] = {}
     lying = []
     for number in range(len(placements.used)):
         items = [item for item in placements.items if item.sheet == number]
-        lying.append(tuple((item.piece, item.turn, item.shift) for item in items))
+        lying.append(
+            tuple((item.piece, flip @ item.turn, flip @ item.shift + over) for item in items)
+        )
         key = tuple(
             (item.piece, *item.turn.round(_DECIMALS).ravel(), *item.shift.round(_DECIMALS))
             for item in items

@@ -280,6 +280,41 @@ def test_sheets_that_lie_alike_are_shown_once():
     assert len(maps) < len(made.report["sheets"])
 
 
+def sheet_box(guide):
+    """The box of all pieces on the first sheet, in shares of the paper that it takes."""
+    sketch = next(
+        sketch
+        for block in guide.blocks
+        if isinstance(block, Row)
+        for sketch in block.sketches
+        if sketch.caption.startswith("Sheet 1")
+    )
+    bed, *pieces = [mark for mark in sketch.marks if isinstance(mark, Area)]
+    (frame,) = bed.rings
+    rings = np.concatenate([ring for area in pieces for ring in area.rings])
+    low, high = frame.min(axis=0), frame.max(axis=0)
+    return ((np.array([rings.min(axis=0), rings.max(axis=0)]) - low) / (high - low)).round(4)
+
+
+def test_sheets_are_shown_as_they_are_cut_and_the_first_step_says_what_is_done_then():
+    pattern = sized("miura", 420.0)
+    wishes = {"plain": {}, "mirror": {"mirror": True}, "bridges": {"bridges": 3}}
+    guides = {key: guided(pattern, **keys)[1] for key, keys in wishes.items()}
+    first = {
+        key: next(block.text for block in guide.blocks if isinstance(block, Step))
+        for key, guide in guides.items()
+    }
+    assert "letters up" in first["plain"]
+    assert "turn the pieces over" in first["mirror"]
+    assert "by 3 bridges: cut through them" in first["bridges"]
+    (left, low), (right, high) = sheet_box(guides["plain"])
+    mirrored = sheet_box(guides["mirror"])
+    assert mirrored == pytest.approx(np.array([[1 - right, low], [1 - left, high]]), abs=2e-4)
+    made, guide = guided(pattern, two_sided=True)
+    turn = next(block.text for block in guide.blocks if isinstance(block, Step))
+    assert made.report["sheets"][0]["turn"] in turn
+
+
 def test_rims_that_meet_are_numbered_on_both_sheets():
     made, guide = guided(strips(0.05, 2, 3), machine="co2_60w_600x400")
     (cut,) = made.cut

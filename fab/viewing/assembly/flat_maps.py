@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 from fab.geometry.rings import by_size
 from fab.viewing.assembly.parts import Joint, Model
 from fab.viewing.assembly.piece_colours import hex_colour, paler
+from fab.viewing.assembly.steps import numbers_text
 from fab.viewing.drawing import CREASE_INK
 from fab.viewing.sketch import Area, Lines, Mark, Plan, Sketch, Words, plan_of, scale_text
 from solver.vectors import FloatArray, IntArray
@@ -45,6 +46,8 @@ _AROUND = 0.2
 _MOST_APART, _FAR = 4, 0.4
 # Maps may reach beyond the pattern, over its size, and be so much wider than what they are about.
 _BEYOND, _WIDER = 0.01, 1.6
+# Numbers nearer than this to each other, over their size, cannot be read.
+_CROWDED = 0.7
 # Height of a map: at least, and for each of its seams.
 _HEIGHTS_MM = (22.0, 2.6)
 
@@ -92,20 +95,31 @@ class FlatMaps:
     def whole(self, most_mm: tuple[float, float]) -> Sketch:
         """The whole pattern, all seams numbered, at a usual scale."""
         coords = self.model.pattern.vertices_coords
-        tabs = [piece.tabs.reshape(-1, 2) for piece in self.model.pieces]
+        tabs = [tab for piece in self.model.pieces for tab in piece.tabs]
         points = np.concatenate([coords, *tabs])
         plan = plan_of(points.min(axis=0), points.max(axis=0), most_mm, 2.0)
         every = range(len(self.model.pieces))
         numbers = [joint.label for joint in self.model.joints]
         marks = self._marks(plan, every, every, numbers)
         lines = sum(len(edges) for own in self._own for edges in own.creases.values())
-        note = (
-            f" {lines} creases are too near each other to be drawn here; the drawings have all."
-            if lines > MOST_LINES
-            else ""
-        )
+        note = ""
+        if self._crowded(plan):
+            marks = tuple(mark for mark in marks if not _is_number(mark))
+            note = " Numbers of seams, which are too near each other here, are in the steps."
+        if lines > MOST_LINES:
+            note += f" {lines} creases are not drawn here; the drawings have them all."
         caption = f"Upper side, scale {scale_text(plan.scale)}.{note}"
         return Sketch(plan.size_mm, marks, caption)
+
+    def _crowded(self, plan: Plan) -> bool:
+        """Whether most numbers would hide each other."""
+        edges = np.array([joint.edges[0] for joint in self.model.joints], np.int64)
+        if len(edges) < 2:
+            return False
+        pattern = self.model.pattern
+        at = pattern.vertices_coords[pattern.edges_vertices[edges]].mean(axis=1) * plan.scale
+        near, _ = cKDTree(at).query(at, k=2)
+        return bool(np.median(near[:, 1]) < _CROWDED * _NUMBERS[0])
 
     def around(
         self, pieces: Sequence[int], labels: Sequence[int], most_mm: tuple[float, float]
@@ -159,7 +173,7 @@ class FlatMaps:
         plan = _filling(low - around, high + around, coords, most_mm)
         labels = [joint.label for joint in joints]
         marks = self._marks(plan, pieces, pieces[-1:], labels, clipped=True)
-        caption = f"Seams {labels[0]} to {labels[-1]}" if len(labels) > 1 else f"Seam {labels[0]}"
+        caption = f"{'Seam' if len(labels) == 1 else 'Seams'} {numbers_text(labels)}"
         return Sketch(plan.size_mm, _within(marks, plan.size_mm), f"{caption}, upper side.")
 
     def _joints(self, labels: Sequence[int]) -> list[Joint]:
@@ -193,9 +207,10 @@ class FlatMaps:
             }
             marks += _crease_lines(plan, coords, model.pattern.edges_vertices, edges)
         for number in pieces:
-            tabs = plan.on_paper(model.pieces[number].tabs)
-            sides = np.stack([tabs, np.roll(tabs, -1, axis=1)], axis=2).reshape(-1, 2, 2)
-            marks.append(Lines(sides, _TAB_INK, _TAB_MM, _TAB_DASHES))
+            tabs = [plan.on_paper(tab) for tab in model.pieces[number].tabs]
+            if tabs:
+                sides = [np.stack([tab, np.roll(tab, -1, axis=0)], axis=1) for tab in tabs]
+                marks.append(Lines(np.concatenate(sides), _TAB_INK, _TAB_MM, _TAB_DASHES))
         joints = self._joints(labels)
         seams = np.array([joint.edges for joint in joints], np.int64).ravel()
         lines = plan.on_paper(coords[model.pattern.edges_vertices[seams]])
@@ -262,6 +277,10 @@ class FlatMaps:
             for text, (x, y) in zip(texts, at.tolist(), strict=True)
         ]
         return marks
+
+
+def _is_number(mark: Mark) -> bool:
+    return isinstance(mark, Words) and mark.text.isdigit()
 
 
 def legend(pattern_letters: Sequence[str], seams: bool, tabs: bool, width_mm: float) -> Sketch:

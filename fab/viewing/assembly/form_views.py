@@ -47,7 +47,6 @@ class FormViews:
         self._axes = best_view(
             [self._corners[::every]], self._faces[::every], upright=model.upright
         )
-        self._whole = self._corners.reshape(-1, 3)
         self._front: Sketch | None = None
 
     def both(self, most_mm: tuple[float, float]) -> tuple[Sketch, Sketch]:
@@ -68,7 +67,7 @@ class FormViews:
         behind: bool = False,
         caption: str = "",
     ) -> Sketch:
-        """Some pieces of the form, all of them where none are named, where they are in it.
+        """Some pieces of the form, all of them where none are named.
 
         labels : of the seams whose numbers are written where they are seen.
         """
@@ -78,13 +77,14 @@ class FormViews:
         right, up, toward = self._axes
         axes = np.stack([-right, up, -toward]) if behind else self._axes
         size = [round(side * _PIXELS_PER_MM) for side in most_mm]
-        seen = self._whole @ axes[:2].T
+        chosen = slice(None) if pieces is None else self._of(pieces)
+        points = self._corners[chosen].reshape(-1, 3)
+        seen = points @ axes[:2].T
         low, high = seen.min(axis=0), seen.max(axis=0)
         span = np.maximum(high - low, 1e-9 * float((high - low).max() or 1.0))
         scale = float((np.array(size) / span).min())
         width, height = (max(8, int(side)) for side in np.ceil(span * scale).tolist())
-        camera = fitted(axes, self._whole, min(width, size[0]), min(height, size[1]), 1)
-        chosen = slice(None) if pieces is None else self._of(pieces)
+        camera = fitted(axes, points, min(width, size[0]), min(height, size[1]), 1)
         piece = self.model.faces_piece[self._faces[chosen]]
         upper = self.model.colours[piece]
         shown = painting(

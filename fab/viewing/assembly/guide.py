@@ -8,7 +8,7 @@ from fab.viewing.assembly.flat_maps import FlatMaps, legend
 from fab.viewing.assembly.form_views import FormViews
 from fab.viewing.assembly.parts import Assembly, Model
 from fab.viewing.assembly.sheet_maps import SheetMaps
-from fab.viewing.assembly.steps import fold_text, written_steps
+from fab.viewing.assembly.steps import fold_text, hold_text, written_steps
 from fab.viewing.leaflet import Block, Facts, Heading, Leaflet, NewPage, Row, Step, Table, Text
 from fab.viewing.scene_builders import laid_flat
 from fab.viewing.sketch import Sketch
@@ -21,7 +21,7 @@ _SMALL, _FORM = (58.0, 52.0), (88.0, 68.0)
 _MANY_JOINTS = 40
 _MAP_MM, _STEP_FORM = (98.0, 74.0), (60.0, 44.0)
 # Of more steps than this the first have small pictures; views of forms take longer.
-_MOST_MAPS, _MOST_FORMS = 120, 24
+_MOST_MAPS, _MOST_FORMS = 1000, 24
 # Of larger sheets steps have no views of their own.
 _MANY_FACES = 20_000
 
@@ -32,7 +32,6 @@ def assembly_guide(assembly: Assembly) -> Leaflet:
     Where several models are cut together, the sheets are first, then each model is on its own.
     """
     sheets = SheetMaps(assembly)
-    number = sum(len(sheet.numbers) for sheet in assembly.sheets)
     blocks: list[Block] = []
     if len(assembly.models) == 1:
         (model,) = assembly.models
@@ -44,14 +43,14 @@ def assembly_guide(assembly: Assembly) -> Leaflet:
         else:
             blocks += _forms(views)
             blocks += [Heading("Sheets"), *_sheet_rows(assembly, sheets)]
-        blocks += _model(model, views, number)
+        blocks += _model(model, views, assembly)
     else:
         blocks.append(Facts(assembly.facts))
         blocks += [Heading("Sheets"), *_sheet_rows(assembly, sheets)]
         for model in assembly.models:
             views = _views(model)
             blocks += [NewPage(), Heading(model.name), Facts(model.facts), *_forms(views)]
-            blocks += _model(model, views, number)
+            blocks += _model(model, views, assembly)
     return Leaflet(f"{assembly.name}: assembly", assembly.made_by, tuple(blocks))
 
 
@@ -59,7 +58,7 @@ def _forms(views: FormViews | None) -> list[Block]:
     return [] if views is None else [Heading("Folded form"), Row(views.both(_FORM))]
 
 
-def _model(model: Model, views: FormViews | None, sheets: int) -> list[Block]:
+def _model(model: Model, views: FormViews | None, assembly: Assembly) -> list[Block]:
     """The flat pattern, the steps and the table of seams of a model."""
     single = len(model.pieces) == 1 and not model.joints
     flat = FlatMaps(model)
@@ -69,7 +68,7 @@ def _model(model: Model, views: FormViews | None, sheets: int) -> list[Block]:
     tabs = any(len(piece.tabs) for piece in model.pieces)
     blocks.append(Row((legend(letters, bool(model.joints), tabs, _WIDE),)))
     blocks.append(Heading("Steps"))
-    blocks += _steps(model, flat, None if single else views, sheets)
+    blocks += _steps(model, flat, None if single else views, assembly)
     if model.joints:
         blocks += [Heading("Seams"), Text(_table_text(model)), _table(model)]
     return blocks
@@ -102,11 +101,13 @@ def _sheet_rows(assembly: Assembly, maps: SheetMaps) -> list[Block]:
     return [Row(tuple(drawn[k : k + across])) for k in range(0, count, across)]
 
 
-def _steps(model: Model, flat: FlatMaps, views: FormViews | None, sheets: int) -> list[Block]:
+def _steps(
+    model: Model, flat: FlatMaps, views: FormViews | None, assembly: Assembly
+) -> list[Block]:
     out: list[Block] = []
     maps = forms = 0
     slow = model.pattern.face_count > _MANY_FACES
-    for number, step in enumerate(written_steps(model, sheets), 1):
+    for number, step in enumerate(written_steps(model, assembly), 1):
         near: tuple[Sketch, ...] = ()
         below: tuple[Sketch, ...] = ()
         if step.pieces and maps < _MOST_MAPS:
@@ -119,7 +120,7 @@ def _steps(model: Model, flat: FlatMaps, views: FormViews | None, sheets: int) -
                     _STEP_FORM,
                     step.joined,
                     labels=step.labels,
-                    caption="Where they are when folded.",
+                    caption="What is joined then, folded.",
                 ),
             )
         out.append(Step(number, step.title, step.text, near, below))
@@ -133,7 +134,7 @@ def _table(model: Model) -> Table:
             f"{joint.length_mm:.1f}",
             fold_text(joint.fold_angle_deg),
             " - ".join(dict.fromkeys(model.pieces[piece].name for piece in joint.pieces)),
-            "tape" if joint.holds is None else f"tab of {model.pieces[joint.holds].name}",
+            hold_text(model, joint),
             "□",
         )
         for joint in model.joints

@@ -12,7 +12,7 @@ from fab.pattern.crease_pattern import CreasePattern
 from fab.viewing.assembly.piece_colours import piece_colours
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["Assembly", "CutPiece", "CutSheet", "Joint", "Model", "Motion", "Point"]
+__all__ = ["Assembly", "CutPiece", "CutSheet", "Hold", "Joint", "Model", "Motion", "Point"]
 
 
 @dataclass(frozen=True)
@@ -23,16 +23,26 @@ class CutPiece:
     ----------
     name : its letters.
     faces : numbers in the pattern, shape (n,).
-    tabs : corners of its tabs as they lie in the flat pattern, mm, shape (m, 4, 2).
+    tabs : outlines of its tabs as they lie in the flat pattern, mm, each of shape (m, 2).
     outline : rings along which it is cut, each of shape (k, 2), mm, in a plane of its own.
     lettered : whether its letters are engraved on it.
     """
 
     name: str
     faces: IntArray
-    tabs: FloatArray
+    tabs: tuple[FloatArray, ...]
     outline: tuple[FloatArray, ...]
     lettered: bool = True
+
+
+class Hold(Enum):
+    """What holds the two sides of a joint together."""
+
+    TAB = "a tab of one side, under the other"
+    TABS = "tabs of both sides, on each other"
+    TONGUE = "a tongue of one side, in a slot of the other"
+    STITCHES = "thread"
+    TAPE = "tape"
 
 
 @dataclass(frozen=True)
@@ -45,7 +55,8 @@ class Joint:
         stop where upside down it would be another one.
     edges : of the pattern, on both sides; the same twice where they lie on each other when flat.
     pieces : numbers of the pieces.
-    holds : number of the piece that has the tab; None where there is none, and tape holds it.
+    hold : what holds it. holder : number of the piece that has the tab or the tongue, if one has.
+    stitches : how many.
     """
 
     label: int
@@ -54,7 +65,9 @@ class Joint:
     pieces: tuple[int, int]
     length_mm: float
     fold_angle_deg: float
-    holds: int | None
+    hold: Hold
+    holder: int | None
+    stitches: int = 0
 
     @property
     def closing(self) -> bool:
@@ -155,6 +168,8 @@ class Assembly:
     """All that a guide shows: models, and the sheets from which they are cut together.
 
     facts : names and values of what is stated at the head. made_by : the command.
+    cutting : sentences on what is to be done when the sheets are cut.
+    face_down : whether they are cut face down.
     """
 
     name: str
@@ -162,3 +177,5 @@ class Assembly:
     models: tuple[Model, ...]
     sheets: tuple[CutSheet, ...]
     facts: tuple[tuple[str, str], ...]
+    cutting: tuple[str, ...] = ()
+    face_down: bool = False

@@ -22,6 +22,7 @@ class SheetMaps:
 
     def __init__(self, assembly: Assembly) -> None:
         self._pieces = [piece for model in assembly.models for piece in model.pieces]
+        self._face_down = assembly.face_down
         self._colours = piece_colours(len(self._pieces))
         self._places = [_place(piece.outline) for piece in self._pieces]
 
@@ -46,7 +47,10 @@ class SheetMaps:
                 x, y = plan.on_paper(turn @ middle + shift).tolist()
                 size = float(np.clip(size, *_LETTERS))
                 letters.append(Words(piece.name, (x, y), size, bold=True))
-        return Sketch(plan.size_mm, (*marks, *letters), _caption(sheet, plan.scale))
+        caption = _caption(sheet, plan.scale)
+        if self._face_down:
+            caption += " Face down."
+        return Sketch(plan.size_mm, (*marks, *letters), caption)
 
 
 def _caption(sheet: CutSheet, scale: float) -> str:

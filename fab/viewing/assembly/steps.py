@@ -9,9 +9,16 @@ from itertools import groupby
 import numpy as np
 
 from fab.errors import counted
-from fab.viewing.assembly.parts import Joint, Model, Motion
+from fab.viewing.assembly.parts import Assembly, Hold, Joint, Model, Motion
 
-__all__ = ["WrittenStep", "fold_text", "listed", "numbers_text", "written_steps"]
+__all__ = [
+    "WrittenStep",
+    "fold_text",
+    "hold_text",
+    "listed",
+    "numbers_text",
+    "written_steps",
+]
 
 _FLAT_DEG = 0.5
 
@@ -34,11 +41,11 @@ class WrittenStep:
     labels: tuple[int, ...] = ()
 
 
-def written_steps(model: Model, sheets: int) -> list[WrittenStep]:
-    """All steps, in order; sheets : how many are cut, for all models together."""
+def written_steps(model: Model, assembly: Assembly) -> list[WrittenStep]:
+    """All steps of a model, in order."""
     flat = [joint for joint in model.joints if not joint.closing]
     closing = [joint for joint in model.joints if joint.closing]
-    steps = [_cut(model, sheets), *_creased(model)]
+    steps = [_cut(model, assembly), *_creased(model)]
     done: set[int] = set()
     for later, joints in groupby(flat, lambda joint: max(joint.pieces)):
         done |= {later}
@@ -57,7 +64,8 @@ def written_steps(model: Model, sheets: int) -> list[WrittenStep]:
     return steps
 
 
-def _cut(model: Model, sheets: int) -> WrittenStep:
+def _cut(model: Model, assembly: Assembly) -> WrittenStep:
+    sheets = sum(len(sheet.numbers) for sheet in assembly.sheets)
     text = f"Cut {counted(sheets, 'sheet')}"
     if model.copies > 1:
         text += f", for {model.copies} copies of the model: what follows is for each of them"
@@ -65,7 +73,10 @@ def _cut(model: Model, sheets: int) -> WrittenStep:
     several = len(model.pieces) > 1
     if model.total > len(model.pieces):
         text += f" {model.name} is {_names(model)}."
-    if several:
+    text += "".join(f" {sentence}" for sentence in assembly.cutting)
+    if assembly.face_down:
+        text += " Sheets are cut face down: turn the pieces over, and the upper side is up."
+    elif several:
         text += " Lay the pieces out with their letters up: that is the upper side."
     elif model.joints:
         text += " The side with the numbers is the upper side."
@@ -159,30 +170,58 @@ def _seams(joints: Sequence[Joint]) -> str:
 
 
 def _held(model: Model, joints: Sequence[Joint]) -> str:
-    """Which tabs go under which piece, and what is held by tape."""
-    sentences = []
-    held: dict[tuple[int, int], list[int]] = {}
+    """What holds seams together, in sentences."""
+    sentences = [*_tabs(model, joints)]
+    for hold, text in _OTHERS.items():
+        own = [joint for joint in joints if joint.hold is hold]
+        if own:
+            which = numbers_text(joint.label for joint in own)
+            if len(own) == len(joints):
+                which = "it" if len(own) == 1 else "them"
+            sentences.append(text.format(which))
+    return " ".join(sentences)
+
+
+# What is done with seams that no tab of one side holds.
+_OTHERS = {
+    Hold.TABS: "Fold the tabs of both sides down and glue them onto each other at {}.",
+    Hold.STITCHES: "Sew {} through the holes of both sides.",
+    Hold.TAPE: "Tape {} on the lower side.",
+}
+
+
+def _tabs(model: Model, joints: Sequence[Joint]) -> list[str]:
+    """Which tabs and tongues of which piece go where."""
+    held: dict[tuple[Hold, int, int], list[int]] = {}
     for joint in joints:
-        if joint.holds is not None:
+        if joint.holder is not None and joint.hold in (Hold.TAB, Hold.TONGUE):
             first, second = joint.pieces
-            under = second if joint.holds == first else first
-            held.setdefault((joint.holds, under), []).append(joint.label)
-    for (holder, under), labels in held.items():
-        names = model.pieces[holder].name, model.pieces[under].name
-        tabs = "the tab" if len(labels) == 1 else "the tabs"
-        whole = len(labels) == len(joints)
-        at = "" if whole else f" at {numbers_text(labels)}"
-        own = "under its other edge" if len(labels) == 1 else "under its other edges"
-        where = own if holder == under else f"under {names[1]}"
-        sentences.append(f"{tabs} of {names[0]} {where}{at}")
-    text = f"Glue {listed(sentences)}." if sentences else ""
-    bare = [joint.label for joint in joints if joint.holds is None]
-    if bare:
-        which = "them" if len(bare) == len(joints) else numbers_text(bare)
-        if len(bare) == len(joints) == 1:
-            which = "it"
-        text = f"{text} Tape {which} on the lower side.".strip()
-    return text
+            other = second if joint.holder == first else first
+            held.setdefault((joint.hold, joint.holder, other), []).append(joint.label)
+    told: dict[Hold, list[str]] = {}
+    for (hold, holder, other), labels in held.items():
+        names = model.pieces[holder].name, model.pieces[other].name
+        noun = "tab" if hold is Hold.TAB else "tongue"
+        things = f"the {noun}" if len(labels) == 1 else f"the {noun}s"
+        at = "" if len(labels) == len(joints) else f" at {numbers_text(labels)}"
+        if hold is Hold.TAB:
+            own = "under its other edge" if len(labels) == 1 else "under its other edges"
+            where = own if holder == other else f"under {names[1]}"
+        else:
+            where = "into its own slots" if holder == other else f"into the slots of {names[1]}"
+        told.setdefault(hold, []).append(f"{things} of {names[0]} {where}{at}")
+    verbs = {Hold.TAB: "Glue", Hold.TONGUE: "Put"}
+    return [f"{verbs[hold]} {listed(words)}." for hold, words in told.items()]
+
+
+def hold_text(model: Model, joint: Joint) -> str:
+    """What holds a seam, in a few words for a table."""
+    if joint.holder is not None and joint.hold in (Hold.TAB, Hold.TONGUE):
+        noun = "tab" if joint.hold is Hold.TAB else "tongue"
+        return f"{noun} of {model.pieces[joint.holder].name}"
+    if joint.hold is Hold.STITCHES:
+        return counted(joint.stitches, "stitch", "stitches")
+    return "two tabs" if joint.hold is Hold.TABS else "tape"
 
 
 def fold_text(angle_deg: float) -> str:
