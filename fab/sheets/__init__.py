@@ -2,7 +2,8 @@
 
 From pattern to files:
 
-- `cutter_settings`: the table `[cutter]`, from which a request is built.
+- `cutter_settings`: the table `[cutter]`, from which a request is built; `cut_wishes`: its keys of
+  bridges, slots, tabs and titles.
 - `sheet_request`: what is asked for: material, machine, copies, sides, formats;
   `fab.jobs.sheet_files` makes it, from all that follows; `sheet_report`: the report.
 - `materials`: sheet materials and cutters, as data.
@@ -11,9 +12,10 @@ Pieces:
 
 - `pieces`: the pattern in pieces that fit the bed; `piece_patterns`: each as a pattern of its own.
 - `seams`: where pieces are glued together.
-- `glue_tabs`: tabs on seams; `piece_labels`: names and numbers to engrave; `labels`: their letters;
-  `rim_points`: numbers where rims of sheets meet.
-
+- `seam_joints`: how they are joined: by `glue_tabs` (of `tab_offers`), `slot_tabs` or `stitches`;
+  `openings`: slots and holes of these.
+- `piece_labels`: names and numbers to engrave; `labels`: where they are; `stroke_letters`: their
+  letters; `rim_points`: numbers where rims of sheets meet.
 - `cut_pieces`: all pieces of a pattern with the lines along which they are cut.
 
 Lines to cut:
@@ -28,6 +30,8 @@ Lines to cut:
 Work on the machine:
 
 - `sheet_drawings`: pieces placed on sheets, drawn, and what the report says of them.
+- `turned_cuts`: pieces cut anew for a beam that is wider along an axis; `sheet_finish`: bridges,
+  mirror and knife; `sheet_title`: a title beside the pieces.
 - `registration`: front and back of a sheet scored on both sides.
 - `cutting_order`: the order of lines, by `tours` with little travel; `work_estimate`: time.
 - `coupon`: a test card for a material on a machine.

@@ -11,7 +11,7 @@ import shapely
 
 from fab.drawings.beam import Beam
 from fab.drawings.closed_slots import closed_slots
-from fab.drawings.cut_paths import Layer, Operation
+from fab.drawings.cut_paths import Layer, Operation, joined
 from fab.errors import Finding
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.meeting_rims import MeetingRims, meeting_rims
@@ -20,7 +20,7 @@ from fab.sheets.crease_cuts import require_dashes
 from fab.sheets.crease_findings import crease_findings
 from fab.sheets.feature_size import narrow_faces
 from fab.sheets.labels import engraved
-from fab.sheets.perforation import CutPiece, cut_piece
+from fab.sheets.perforation import CutPiece, cut_piece, opening_cuts
 from fab.sheets.piece_patterns import Before, Piece
 from fab.sheets.pieces import Pieces, split
 from fab.sheets.sheet_request import SheetRequest
@@ -145,6 +145,8 @@ def cut_layers_of(
     """
     cut = cut_piece(piece.pattern, request.perforation, beam)
     wishes, layers = request.wishes, cut.layers
+    if piece.openings:
+        layers = joined([*layers, opening_cuts(piece.openings, beam)])
     if wishes.closed_slots:
         layers = closed_slots(layers, wishes.slot_mm, beam)
     if labelled:

@@ -31,6 +31,17 @@ class CutWishes(Settings):
     mirror: bool = Field(
         default=False, description="left and right exchanged, for material that lies face down"
     )
+    tabs: TabKind = Field(
+        default="one side",
+        description="of seams: glue tabs on one side, on both sides to be laid onto each other, "
+        "tongues with slots, stitching holes, or none",
+    )
+    stitch_mm: float = Field(
+        default=5.0, ge=0.5, le=100, description="from one stitching hole to the next"
+    )
+    stitch_hole_mm: float = Field(
+        default=1.0, ge=0.1, le=20, description="diameter of stitching holes"
+    )
     title: bool = Field(
         default=False,
         description="name, material, machine and a scale bar, engraved beside the pieces",

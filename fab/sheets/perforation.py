@@ -23,7 +23,7 @@ from fab.sheets.relief_holes import ReliefHoles, relief_holes
 from solver.errors import InvalidValue
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["CutPiece", "cut_layers", "cut_piece", "perforate"]
+__all__ = ["CutPiece", "cut_layers", "cut_piece", "opening_cuts", "perforate"]
 
 _BORDERS = ("B", "C")
 _JOINED = "J"  # faces that are one: nothing is drawn between them
@@ -116,6 +116,12 @@ def cut_piece(
     outer = tuple(ring for ring in moved.rings if not is_hole(ring))
     layers.append(_through(Operation.CUT, slits, outer))
     return CutPiece(joined(layers), creases, (*findings, *moved.findings, *relief.findings))
+
+
+def opening_cuts(openings: Sequence[FloatArray], kerf_mm: float | Beam) -> Layer:
+    """Holes, each clockwise of shape (m, 2), as the beam follows them; narrow ones in one line."""
+    moved = compensated(openings, kerf_mm)
+    return _through(Operation.HOLE, moved.gaps, moved.rings)
 
 
 def _through(operation: Operation, lines: FloatArray, outlines: tuple[FloatArray, ...]) -> Layer:

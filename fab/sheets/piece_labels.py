@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +42,12 @@ class EdgeTexts:
 
 
 def piece_labels(
-    pattern: CreasePattern, name: str, face_count: int, seams: EdgeTexts, label_mm: float
+    pattern: CreasePattern,
+    name: str,
+    face_count: int,
+    seams: EdgeTexts,
+    label_mm: float,
+    openings: Sequence[FloatArray] = (),
 ) -> tuple[Label | None, ...]:
     """The label of a piece's name, and one for each seam's number; None where there is no room.
 
@@ -52,8 +58,9 @@ def piece_labels(
     pattern : the piece.
     face_count : its first faces, on which the name may be; those after them are tabs.
     label_mm : greatest height of the numbers; the name may be twice as high.
+    openings : in its faces, each of shape (m, 2), which labels keep clear of.
     """
-    rooms = _rooms(pattern)
+    rooms = _without(_rooms(pattern), openings)
     widest, middle, slant = _place_for(name, rooms[:face_count], seams.faces)
     direction = seams.lines[:, 1] - seams.lines[:, 0]
     height = np.full(1 + len(seams.texts), label_mm)
@@ -103,6 +110,21 @@ def _rooms(pattern: CreasePattern) -> list[shapely.Polygon]:
         if len(free):
             rooms[face] = max(free, key=lambda part: part.area)
     return rooms
+
+
+def _without(rooms: list[shapely.Polygon], openings: Sequence[FloatArray]) -> list[shapely.Polygon]:
+    """Rooms without openings and what is beside them; of several parts the largest."""
+    if not openings:
+        return rooms
+    holes = shapely.buffer([shapely.Polygon(ring) for ring in openings], _BESIDE_MM)
+    hole, room = shapely.STRtree(rooms).query(holes, predicate="intersects")
+    out = list(rooms)
+    for number in np.unique(room).tolist():
+        left = out[number].difference(shapely.union_all(holes[hole[room == number]]))
+        parts = shapely.get_parts(left)
+        if len(parts):
+            out[number] = max(parts, key=lambda part: part.area)
+    return out
 
 
 def _place_for(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from fab.layout.face_sets import SheetToDivide, extent
 from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.glue_tabs import Tabs
 from fab.sheets.labels import Label, number_text
+from fab.sheets.openings import Openings
 from fab.sheets.piece_labels import EdgeTexts, piece_labels
 from fab.sheets.rim_points import RimPoints
 from fab.sheets.seams import SeamSides, places_of
@@ -34,6 +36,7 @@ class Piece:
         and after them the tabs; the crease of a tab is folded as its seam is. Edges that end within
         one of the faces come last.
     faces, edges : numbers in the whole pattern, -1 for tabs and their sides.
+    openings : slots and stitching holes in its faces, clockwise, each of shape (m, 2).
     labels : text to be engraved: the piece's name, then those of its seams. None crosses a crease.
     unwritten : the texts for which there is no room.
     """
@@ -42,6 +45,7 @@ class Piece:
     pattern: CreasePattern
     faces: IntArray
     edges: IntArray
+    openings: tuple[FloatArray, ...]
     labels: tuple[Label, ...]
     unwritten: tuple[str, ...]
 
@@ -71,7 +75,7 @@ class Division:
     ----------
     sheet : the whole pattern, and the room that each piece must fit.
     sides : the seams between pieces, whose numbers rise in the order of assembling.
-    tabs : of the seams.
+    tabs, openings : of the seams.
     label_mm : greatest height of numbers.
     points : where rims of the sheet meet, by edges of the whole pattern.
     before : what others have that are cut with it.
@@ -80,6 +84,7 @@ class Division:
     sheet: SheetToDivide
     sides: SeamSides
     tabs: Tabs
+    openings: Openings
     label_mm: float
     points: RimPoints
     before: Before
@@ -87,21 +92,21 @@ class Division:
     def piece(self, number: int, faces: IntArray) -> Piece:
         """The pattern of a set of faces and its tabs, laid upright, and what is engraved on it."""
         whole, sides = self.sheet.pattern, self.sides
-        every = np.arange(len(sides))
-        tabs = np.flatnonzero(
-            (self.tabs.side >= 0) & (sides.pieces[every, self.tabs.side] == number)
-        )
-        foot = sides.vertices[tabs, self.tabs.side[tabs]]
-        loose = _ending_within(whole, faces)
-        used, corners, offsets = _faces_and_tabs(whole, faces, foot, loose)
+        tabs = np.flatnonzero(sides.pieces[self.tabs.seam, self.tabs.side] == number)
+        seam, side = self.tabs.seam[tabs], self.tabs.side[tabs]
         tops = self.tabs.tops[tabs]
+        foot = sides.vertices[seam, side]
+        loose = _ending_within(whole, faces)
+        used, corners, offsets = _faces_and_tabs(whole, faces, foot, loose, tops.shape[1])
         coords = np.concatenate([whole.vertices_coords[used], tops.reshape(-1, 2)])
-        coords = self._laid_upright(coords, faces)
+        rings = self.openings.of(faces)
+        laid = self._laid_upright(np.concatenate([coords, *rings]), faces)
+        coords, *openings = np.split(laid, np.cumsum([len(coords), *map(len, rings)])[:-1])
         edges = edges_of(corners, offsets)
         whole_edges = _edges_in_whole(whole, faces, used, edges, len(coords))
-        tab_edges = places_of(sides.edges[tabs, self.tabs.side[tabs]], whole_edges)
+        tab_edges = places_of(sides.edges[seam, side], whole_edges)
         angle, letter = _folds(whole, whole_edges, edges, len(faces))
-        angle[tab_edges] = sides.foldAngle[tabs]
+        angle[tab_edges] = self.tabs.foldAngle[tabs]
         letter[tab_edges] = np.where(
             angle[tab_edges] > 0, "V", np.where(angle[tab_edges] < 0, "M", "F")
         )
@@ -123,12 +128,13 @@ class Division:
         )
         whole_edges = np.concatenate([whole_edges, loose])
         name = piece_name(self.before.pieces + number)
-        texts, labels = self._labels(pattern, number, len(faces), whole_edges, tabs)
+        texts, labels = self._labels(pattern, number, len(faces), whole_edges, tabs, openings)
         return Piece(
             name,
             pattern,
             np.concatenate([faces, np.full(len(tabs), -1)]),
             whole_edges,
+            tuple(openings),
             tuple(label for label in labels if label is not None),
             tuple(
                 text
@@ -151,21 +157,22 @@ class Division:
         return out
 
     def _folded_tops(self, folded: FloatArray, tabs: IntArray) -> FloatArray:
-        """Folded corners of tabs, each in the plane of the face it is glued to, shape (2 n, 3)."""
+        """Folded corners of tabs, each folded against the face that it is on, shape (k n, 3)."""
         whole, sides = self.sheet.pattern, self.sides
-        side = self.tabs.side[tabs]
-        ends = sides.vertices[tabs, side]
+        seam, side = self.tabs.seam[tabs], self.tabs.side[tabs]
+        ends = sides.vertices[seam, side]
         flat_a, flat_b = whole.vertices_coords[ends].swapaxes(0, 1)
         a, b = folded[ends].swapaxes(0, 1)
         normals = face_normals(folded, whole.faces_vertices, whole.faces_offsets)
-        normal = normals[sides.faces[tabs, 1 - side]]
+        normal = normals[sides.faces[seam, side]]
+        angle = np.radians(self.tabs.foldAngle[tabs])[:, None]
         span = flat_b - flat_a
         u = span / np.hypot(*span.T)[:, None]
         arm = self.tabs.tops[tabs] - flat_a[:, None]
         along = (arm * u[:, None]).sum(axis=2)
         out = (arm * np.column_stack([u[:, 1], -u[:, 0]])[:, None]).sum(axis=2)
         x = unit(b - a)
-        y = cross(x, normal)  # away from the piece, in the other face
+        y = np.cos(angle) * cross(x, normal) + np.sin(angle) * normal  # away from the face
         points = a[:, None] + along[..., None] * x[:, None] + out[..., None] * y[:, None]
         flat: FloatArray = points.reshape(-1, 3)
         return flat
@@ -177,6 +184,7 @@ class Division:
         face_count: int,
         whole_edges: IntArray,
         tabs: IntArray,
+        openings: Sequence[FloatArray],
     ) -> tuple[list[str], tuple[Label | None, ...]]:
         """Texts of a piece's name, seams and rim, and their labels; then those on its tabs.
 
@@ -184,7 +192,8 @@ class Division:
         """
         seam, side = np.nonzero(self.sides.pieces == number)
         edges = places_of(self.sides.edges[seam, side], whole_edges)
-        tab_edges = places_of(self.sides.edges[tabs, self.tabs.side[tabs]], whole_edges)
+        tab_seam = self.tabs.seam[tabs]
+        tab_edges = places_of(self.sides.edges[tab_seam, self.tabs.side[tabs]], whole_edges)
         points = self.points.chosen(np.isin(self.points.edges, whole_edges))
         rim = places_of(points.edges, whole_edges)
 
@@ -198,7 +207,7 @@ class Division:
         name = piece_name(self.before.pieces + number)
         beside = [*numbers(seam), *points.texts]
         every = EdgeTexts(
-            (*beside, *numbers(tabs)),
+            (*beside, *numbers(tab_seam)),
             np.concatenate(
                 [
                     pattern.edges_faces[edges, 0],
@@ -206,9 +215,31 @@ class Division:
                     face_count + np.arange(len(tabs)),
                 ]
             ),
-            np.concatenate([ends(edges), points.lines(ends(rim)), ends(tab_edges)[:, ::-1]]),
+            np.concatenate(
+                [
+                    ends(edges) + self._beyond_openings(seam, side, ends(edges)),
+                    points.lines(ends(rim)),
+                    ends(tab_edges)[:, ::-1],
+                ]
+            ),
         )
-        return [name, *beside], piece_labels(pattern, name, face_count, every, self.label_mm)
+        return [name, *beside], piece_labels(
+            pattern, name, face_count, every, self.label_mm, openings
+        )
+
+    def _beyond_openings(self, seam: IntArray, side: IntArray, ends: FloatArray) -> FloatArray:
+        """By how much numbers beside edges are moved into their faces, past openings, (n, 1, 2)."""
+        if not self.openings.rings:
+            return np.zeros((len(seam), 1, 2))
+        whole, sides = self.sheet.pattern.vertices_coords, self.sides
+        reach = [
+            self.openings.reach_mm(s, int(sides.faces[s, k]), whole[sides.vertices[s, k]])
+            for s, k in zip(seam.tolist(), side.tolist(), strict=True)
+        ]
+        span = ends[:, 1] - ends[:, 0]
+        left = np.column_stack([-span[:, 1], span[:, 0]]) / np.hypot(*span.T)[:, None]
+        out: FloatArray = (np.array(reach)[:, None] * left)[:, None]
+        return out
 
 
 def _ending_within(whole: CreasePattern, faces: IntArray) -> IntArray:
@@ -218,12 +249,12 @@ def _ending_within(whole: CreasePattern, faces: IntArray) -> IntArray:
 
 
 def _faces_and_tabs(
-    whole: CreasePattern, faces: IntArray, foot: IntArray, loose: IntArray
+    whole: CreasePattern, faces: IntArray, foot: IntArray, loose: IntArray, tops: int
 ) -> tuple[IntArray, IntArray, IntArray]:
     """The vertices of some faces, rising, and the polygons of the faces and of their tabs.
 
-    foot : ends of the edges that carry tabs, shape (n, 2). The outer corners of tab i get the
-    numbers k + 2 i and k + 2 i + 1 after the k vertices.
+    foot : ends of the edges that carry tabs, shape (n, 2). The outer corners of tab i, of which
+    each has as many as `tops`, get the numbers from k + tops i on after the k vertices.
     loose : edges that end within these faces, whose vertices are among the k.
     """
     sizes = np.diff(whole.faces_offsets)
@@ -233,9 +264,9 @@ def _faces_and_tabs(
     used = np.union1d(corners, whole.edges_vertices[loose])
     corners = np.searchsorted(used, corners)
     a, b = np.searchsorted(used, foot).reshape(-1, 2).T
-    p = len(used) + 2 * np.arange(len(foot))
-    corners = np.concatenate([corners, np.column_stack([b, a, p, p + 1]).ravel()])
-    offsets = np.cumsum(np.concatenate([[0], sizes[faces], np.full(len(foot), 4)]))
+    outer = len(used) + np.arange(tops * len(foot)).reshape(-1, tops)
+    corners = np.concatenate([corners, np.column_stack([b, a, outer]).ravel()])
+    offsets = np.cumsum(np.concatenate([[0], sizes[faces], np.full(len(foot), 2 + tops)]))
     return used, corners, offsets
 
 

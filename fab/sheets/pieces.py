@@ -20,15 +20,32 @@ from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.meeting_rims import MeetingRims
 from fab.progress import Steps, no_steps
 from fab.settings import Settings
-from fab.sheets.glue_tabs import Tabs, glue_tabs
+from fab.sheets.cut_wishes import TabKind
 from fab.sheets.piece_labels import READABLE_MM
 from fab.sheets.piece_patterns import Before, Division, Piece
 from fab.sheets.rim_points import RimPoints, rim_points
+from fab.sheets.seam_joints import JointStyle, seam_joints
 from fab.sheets.seams import Seam, numbered_seams, seam_sides
 from solver.errors import InvalidValue, require_positive
 from solver.vectors import FloatArray, IntArray
 
 __all__ = ["Pieces", "SheetSplit", "split"]
+
+
+# What is done to pieces, and what there may be no room for at a seam, and the key that helps.
+_JOIN: dict[TabKind, str] = {
+    "one side": "Glue",
+    "both sides": "Glue",
+    "slots": "Join",
+    "stitches": "Stitch",
+    "none": "Tape",
+}
+_NO_ROOM: dict[TabKind, tuple[str, str]] = {
+    "one side": ("a tab", "tab_mm"),
+    "both sides": ("two tabs", "tab_mm"),
+    "slots": ("a tongue and its slot", "tab_mm"),
+    "stitches": ("two stitching holes", "stitch_mm"),
+}
 
 
 class SheetSplit(Settings):
@@ -38,17 +55,41 @@ class SheetSplit(Settings):
     mitre_mm: float = Field(
         default=0.0, ge=0, le=1000, description="room for mitres of the cut, inside the margin"
     )
-    tabs: bool = Field(default=True, description="whether seams get glue tabs")
+    tabs: TabKind = Field(default="one side", description="how seams are joined")
     tab_mm: float = Field(
         default=8.0, ge=1, le=1000, description="greatest height of a tab; lower on short edges"
     )
     tab_angle_deg: float = Field(
         default=45.0, ge=10, le=90, description="greatest angle at the foot of a tab"
     )
+    thickness_mm: float = Field(default=0.3, gt=0, le=100, description="of the material, for slots")
+    stitch_mm: float = Field(
+        default=5.0, ge=0.5, le=100, description="from one stitching hole to the next"
+    )
+    stitch_hole_mm: float = Field(
+        default=1.0, ge=0.1, le=20, description="diameter of stitching holes"
+    )
     rotations_deg: tuple[float, ...] | None = Field(
         default=None, description="of pieces, as the grain allows; any where left out"
     )
     label_mm: float = Field(default=4.0, ge=1, le=1000, description="greatest height of letters")
+
+    @property
+    def has_tabs(self) -> bool:
+        """Whether anything reaches out from the edges of seams."""
+        return self.tabs not in ("stitches", "none")
+
+    @property
+    def joints(self) -> JointStyle:
+        """How seams are joined."""
+        return JointStyle(
+            self.tabs,
+            self.tab_mm,
+            self.tab_angle_deg,
+            self.thickness_mm,
+            self.stitch_mm,
+            self.stitch_hole_mm,
+        )
 
     @property
     def border_mm(self) -> float:
@@ -111,11 +152,7 @@ def split(
         sheet, partition(sheet, lambda done, _: progress(done, steps)), closing
     )
     sides = seam_sides(pattern, faces_piece, sheet.joined, closing, closing_angle)
-    tabs = (
-        glue_tabs(pattern, faces_piece, sides, settings.tab_mm, settings.tab_angle_deg)
-        if settings.tabs
-        else Tabs.none(len(sides))
-    )
+    joints = seam_joints(pattern, faces_piece, sides, settings.joints)
     points = (
         RimPoints.none()
         if meeting is None
@@ -123,7 +160,9 @@ def split(
             meeting, "p" if len(sides) else "", pattern.edges_vertices[closing], before.points
         )
     )
-    division = Division(sheet, sides, tabs, settings.label_mm, points, before)
+    division = Division(
+        sheet, sides, joints.tabs, joints.openings, settings.label_mm, points, before
+    )
     pieces: list[Piece] = []
     drawn = pattern.face_count
     for number, faces in enumerate(sets):
@@ -131,10 +170,15 @@ def split(
         drawn += len(faces)
         progress(drawn, steps)
     seams = numbered_seams(
-        pattern, [piece.edges for piece in pieces], sides, tabs.side, before.seams
+        pattern,
+        [piece.edges for piece in pieces],
+        sides,
+        joints.tabs.sides_of(len(sides)),
+        joints.stitches(len(sides)),
+        before.seams,
     )
     made = Pieces(tuple(pieces), seams)
-    return made, _findings(made, settings)
+    return made, _findings(made, settings, np.flatnonzero(joints.bare(len(sides))))
 
 
 def _require_bed(settings: SheetSplit, bed_mm: tuple[float, float]) -> None:
@@ -172,7 +216,7 @@ def _reach(pattern: CreasePattern, settings: SheetSplit) -> FloatArray:
     The tab on the first side is that of the first face, across the edge from it.
     """
     ends = pattern.vertices_coords[pattern.edges_vertices]
-    if not settings.tabs:
+    if not settings.has_tabs:
         return np.stack([ends, ends], axis=1)
     both = np.stack([ends, ends[:, ::-1]], axis=1).reshape(-1, 2, 2)
     steep = np.full((len(both), 2), np.pi / 2)
@@ -193,23 +237,28 @@ def _assembled(
     return [sets[number] for number in order.tolist()], rank[faces_set]
 
 
-def _findings(made: Pieces, settings: SheetSplit) -> list[Finding]:
-    """What the user should know of pieces, tabs and labels."""
+def _findings(made: Pieces, settings: SheetSplit, bare_seams: IntArray) -> list[Finding]:
+    """What the user should know of pieces, tabs and labels.
+
+    bare_seams : numbers of the seams that nothing joins.
+    """
     findings = []
     pieces, seams = counted(len(made.pieces), "piece"), counted(len(made.seams), "seam edge")
     if len(made.pieces) > 1:
         text = (
-            f"the sheet is cut into {pieces} with {seams}. Glue them in the order of their labels."
+            f"the sheet is cut into {pieces} with {seams}. {_JOIN[settings.tabs]} them in the "
+            "order of their labels."
             if made.seams
             else f"the sheet comes apart into {pieces} that share no edge, and have no seams."
         )
         findings.append(Finding("sheet-split", Severity.NOTE, text))
-    bare = [seam.edges[0] for seam in made.seams if seam.tab is None]
-    if bare and settings.tabs:
+    bare = [made.seams[number].edges[0] for number in bare_seams.tolist()]
+    if bare and settings.tabs != "none":
         have, them = ("has", "it") if len(bare) == 1 else ("have", "them")
+        what, key = _NO_ROOM[settings.tabs]
         text = (
-            f"{len(bare)} of {seams} {have} no room for a tab. Join {them} with tape, lower "
-            "tab_mm, or enlarge the sheet."
+            f"{len(bare)} of {seams} {have} no room for {what}. Join {them} with tape, lower "
+            f"{key}, or enlarge the sheet."
         )
         findings.append(Finding("tab-no-room", Severity.WARNING, text, creases=first_few(bare)))
     missing = sum(len(piece.unwritten) for piece in made.pieces)

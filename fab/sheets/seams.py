@@ -34,7 +34,8 @@ class Seam:
     pieces : numbers of the pieces of both sides.
     piece_edges : numbers of the edge in the patterns of both pieces.
     length_mm, fold_angle_deg : the fold angle as in a pattern, between the faces of both sides.
-    tab : the side that carries the tab, 0 or 1; None where there is none.
+    tab : the side that carries the tab, 0 or 1, the first of two; None where there is none.
+    stitches : how many pairs of stitching holes it has.
     """
 
     label: int
@@ -44,6 +45,7 @@ class Seam:
     length_mm: float
     fold_angle_deg: float
     tab: int | None
+    stitches: int = 0
 
 
 @dataclass(frozen=True)
@@ -113,6 +115,7 @@ def numbered_seams(
     pieces_edges: Sequence[IntArray],
     sides: SeamSides,
     seams_tab: IntArray,
+    seams_stitches: IntArray,
     before: int = 0,
 ) -> tuple[Seam, ...]:
     """The seams with their labels, lengths, and the numbers of their edges in both pieces.
@@ -121,6 +124,7 @@ def numbered_seams(
     ----------
     pieces_edges : for each piece the numbers in the whole pattern of its edges.
     seams_tab : the side that carries the tab of each seam, -1 for none, shape (n,).
+    seams_stitches : how many stitches each has, shape (n,).
     before : how many seams have labels already.
     """
     ends = pattern.vertices_coords[pattern.edges_vertices[sides.edges[:, 0]]]
@@ -130,8 +134,10 @@ def numbered_seams(
         seam, side = np.nonzero(sides.pieces == number)
         own[seam, side] = places_of(sides.edges[seam, side], edges)
     return tuple(
-        Seam(before + i + 1, (e, f), (p, q), (u, v), size, angle, None if tab < 0 else tab)
-        for i, ((e, f), (p, q), (u, v), size, angle, tab) in enumerate(
+        Seam(
+            before + i + 1, (e, f), (p, q), (u, v), size, angle, None if tab < 0 else tab, stitches
+        )
+        for i, ((e, f), (p, q), (u, v), size, angle, tab, stitches) in enumerate(
             zip(
                 sides.edges.tolist(),
                 sides.pieces.tolist(),
@@ -139,6 +145,7 @@ def numbered_seams(
                 length.tolist(),
                 sides.foldAngle.tolist(),
                 seams_tab.tolist(),
+                seams_stitches.tolist(),
                 strict=True,
             )
         )

@@ -106,6 +106,7 @@ def _glue_up(pieces: Pieces, placements: Placements, owners: Sequence[str]) -> l
                 "fold_angle_deg": _rounded(seam.fold_angle_deg),
                 "pieces": [pieces.pieces[number].name for number in seam.pieces],
                 "tab": seam.tab,
+                **({"stitches": seam.stitches} if seam.stitches else {}),
                 "sheets": [placed[number].sheet + 1 for number in seam.pieces],
                 "at_mm": at,
             }

@@ -147,6 +147,10 @@ class SheetRequest:
             margin_mm=self.margin_mm,
             mitre_mm=_CORNER_KERFS * self.machine.beam.widest_mm,
             tab_mm=max(self.material.tab_mm, _LEAST_TAB_MM),
+            tabs=self.wishes.tabs,
+            thickness_mm=self.material.thickness_mm,
+            stitch_mm=self.wishes.stitch_mm,
+            stitch_hole_mm=self.wishes.stitch_hole_mm,
             rotations_deg=self.rotations_deg,
         )
 

@@ -61,7 +61,7 @@ def drawn(layers):
 def test_lengths_by_letter_are_those_by_operation(pattern):
     if pattern is None:
         return
-    made, _ = split(pattern, SheetSplit(tabs=False), BED)
+    made, _ = split(pattern, SheetSplit(tabs="none"), BED)
     wanted = lengths(pattern)
     first, second = pattern.edges_faces.T
     apart = (second >= 0) & (pattern.faces_piece[first] != pattern.faces_piece[second])

@@ -247,7 +247,7 @@ def test_two_squares_have_one_seam_whose_tab_is_exact():
 
 def test_as_few_pieces_as_the_area_allows_and_equal():
     pattern = grid(12, 8, 10.0)
-    plain = SheetSplit(margin_mm=0, tabs=False)
+    plain = SheetSplit(margin_mm=0, tabs="none")
     made, _ = split(pattern, plain, (60.0, 40.0))
     assert [len(piece.faces) for piece in made.pieces] == [24] * 4
     check(pattern, made, plain, (60, 40))
@@ -260,7 +260,7 @@ def test_as_few_pieces_as_the_area_allows_and_equal():
 
 def test_tabs_can_be_left_out():
     pattern = grid(4, 1, 30.0)
-    made, findings = split(pattern, SheetSplit(tabs=False), (75.0, 75.0))
+    made, findings = split(pattern, SheetSplit(tabs="none"), (75.0, 75.0))
     assert [finding.code for finding in findings] == ["sheet-split"]
     assert all(seam.tab is None for seam in made.seams)
     assert [piece.pattern.face_count for piece in made.pieces] == [2, 2]
@@ -524,13 +524,13 @@ def test_numbers_are_as_high_as_their_faces_let_them_be():
     """Two rows of flat faces: the name, and a number on each side of the seam."""
     coords = [[0, 0], [40, 0], [40, 3], [0, 3], [40, 6], [0, 6]]
     pattern = flat_pattern(coords, [(0, 1, 2, 3), (3, 2, 4, 5)])
-    made, _ = split(pattern, SheetSplit(margin_mm=0, tabs=False), (41.0, 5.0))
+    made, _ = split(pattern, SheetSplit(margin_mm=0, tabs="none"), (41.0, 5.0))
     numbers = [label for piece in made.pieces for label in piece.labels if label.text == "1"]
     assert [label.height_mm for label in numbers] == pytest.approx([3 / 1.6] * 2)
 
 
 def test_names_run_on_after_z():
-    made, _ = split(grid(28, 1, 30.0), SheetSplit(tabs=False), (42.0, 42.0))
+    made, _ = split(grid(28, 1, 30.0), SheetSplit(tabs="none"), (42.0, 42.0))
     assert [piece.name for piece in made.pieces][-3:] == ["Z", "AA", "AB"]
 
 
