@@ -23,7 +23,6 @@ __all__ = [
     "FILES",
     "MACHINE",
     "MATERIAL",
-    "ONLY_SHEETS",
     "OUT",
     "SUGGEST",
     "Size",
@@ -111,7 +110,6 @@ MACHINE = click.option(
     metavar="NAME",
     help=_NAMED + _OF_SETTINGS,
 )
-ONLY_SHEETS = only("Such as dxf,pdf (default: dxf,svg,pdf).")
 DRY_RUN = dry_run("Make and check everything, write nothing.")
 SUGGEST = click.option(
     "--suggest",

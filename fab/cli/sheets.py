@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
+from fab.cli.completion import StockName
 from fab.cli.console import answers, say
 from fab.cli.delivery import FilesOf, Told, deliver, write_made
 from fab.cli.inputs import sheet_of
@@ -16,7 +17,6 @@ from fab.cli.options import (
     FILES,
     MACHINE,
     MATERIAL,
-    ONLY_SHEETS,
     OUT,
     Size,
     changes_of,
@@ -26,7 +26,8 @@ from fab.cli.options import (
     size_options,
     told_options,
 )
-from fab.cli.preferences import required
+from fab.cli.preferences import preferred, required
+from fab.cli.printer_coupons import write_test_print
 from fab.errors import InvalidJob, counted
 from fab.files import shortened
 
@@ -200,11 +201,33 @@ def sheet_lines(report: Mapping[str, Any]) -> Iterator[str]:
 @click.command()
 @MATERIAL
 @MACHINE
+@click.option(
+    "--printer",
+    type=StockName("printer"),
+    default=None,
+    metavar="NAME",
+    help="In place of a machine, with a print material: gaps, webs and knuckles to try.",
+)
 @OUT
-@ONLY_SHEETS
-def coupon(material: str | None, machine: str | None, out: Path, only: tuple[str, ...]) -> None:
-    """Make a test card that finds a machine's kerf and the best dashes for a material."""
+@only("Such as dxf,pdf (default: dxf,svg,pdf); of a printer stl,3mf (default: both).")
+def coupon(
+    material: str | None,
+    machine: str | None,
+    printer: str | None,
+    out: Path,
+    only: tuple[str, ...],
+) -> None:
+    """Make a test card that finds a machine's kerf and the best dashes for a material.
+
+    With --printer a test print, to find its least gap, the spread of its first layer, and webs that
+    last; what is printed on the terminal says how to read it.
+    """
+    if printer is not None and machine is not None:
+        raise click.UsageError("--machine and --printer exclude each other.")
     with answers():
+        if printer is not None:
+            write_test_print(printer, preferred("print_material", material), only, out)
+            return
         from fab.drawings.drawing_files import USUAL, SheetFormat, drawing_files
         from fab.outputs import Made, plain_title, require_folder
         from fab.sheets.coupon import coupon
