@@ -30,6 +30,7 @@ clearance : bodies that must stay apart in every folded state.
 printing : printers, plates and joints, STL and 3MF.
 viewing : one scene of a sheet, flat to folded, for all pictures of it.
 jobs : a job to all its files.
+sweeps : many variations of a job, in one table.
 studio : a page in the browser that changes a job, and shows what it makes.
 cli : the command line.
 """

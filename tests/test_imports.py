@@ -25,6 +25,7 @@ WINGS = {
 WINGS["viewing"] = set(WINGS) - {"surfaces", "sheets"}
 WINGS["jobs"] = set(WINGS)
 WINGS["studio"] = set(WINGS)
+WINGS["sweeps"] = set(WINGS) - {"studio"}
 WINGS["cli"] = set(WINGS)
 # What each package of the formats may import besides itself and the modules at their root that
 # dispatch nothing.
@@ -51,6 +52,7 @@ GEOMETRY_TAKES = {
 HEAVY = {
     *("build123d", "OCP", "manifold3d", "matplotlib", "reportlab", "trimesh", "u_nesting"),
     *("starlette", "tomlkit", "uvicorn"),
+    *("duckdb", "filelock", "pyarrow", "simpleeval"),
 }
 SOURCES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path

@@ -16,6 +16,7 @@ from fab.cli.patterns import check, convert
 from fab.cli.preferences import settings
 from fab.cli.sheets import coupon, fabricate, shipped
 from fab.cli.studio import studio
+from fab.cli.sweeps import sweep, table
 
 __all__ = ["main"]
 
@@ -31,5 +32,7 @@ for command in (
     figure,
     studio,
     settings,
+    sweep,
+    table,
 ):
     main.add_command(command)

@@ -1,0 +1,119 @@
+"""Parts of a sweep's table: rows in Parquet files, by the hash of their job.
+
+A row holds what became of a job; which variations have that job is known from the sweep alone. So
+rows that are there stay good when a sweep is changed, and variations that are alike share one.
+Each part is written beside its place and renamed: what is there is whole.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from fab.errors import InvalidJob
+from fab.sweeps.axes import Axis
+from fab.sweeps.columns import FIGURES, OUTCOME, Column
+
+__all__ = ["Parts", "axis_fields", "write_table"]
+
+_TYPES = {
+    "text": pa.string(),
+    "whole": pa.int64(),
+    "number": pa.float64(),
+    "truth": pa.bool_(),
+}
+_CHUNK = 4096
+
+
+def fields_of(columns: Iterable[Column]) -> list[pa.Field]:
+    """The columns as those of Arrow tables."""
+    return [pa.field(column.name, _TYPES[column.kind]) for column in columns]
+
+
+def axis_fields(axes: Sequence[Axis]) -> list[pa.Field]:
+    """Columns of the values of axes; values of several types are text."""
+    out = []
+    for axis in axes:
+        kinds = {type(value) for value in axis.values}
+        kind = _KINDS[kinds.pop()] if len(kinds) == 1 else "text"
+        if kinds == {int, float}:
+            kind = "number"
+        out.append(pa.field(axis.key, _TYPES[kind]))
+    return out
+
+
+_KINDS = {bool: "truth", int: "whole", float: "number", str: "text"}
+_ROW = pa.schema(fields_of([*(each for each in OUTCOME if each.name != "number"), *FIGURES]))
+
+
+def write_table(path: Path, schema: pa.Schema, rows: Iterable[Mapping[str, Any]]) -> int:
+    """Write rows as they come, beside the place of the file, and rename it. Returns their number.
+
+    Raises `InvalidJob` where the folder cannot take them.
+    """
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    count = 0
+    try:
+        with pq.ParquetWriter(beside, schema) as writer:
+            for chunk in _chunks(rows):
+                writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
+                count += len(chunk)
+        beside.replace(path)
+    except OSError as error:
+        raise InvalidJob(
+            f"{path}: cannot be written: {error.strerror or error}. What was written before is "
+            "whole: free some space, and run again to go on."
+        ) from error
+    finally:
+        beside.unlink(missing_ok=True)
+    return count
+
+
+def _chunks(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[Mapping[str, Any]]]:
+    rest = iter(rows)
+    while chunk := list(islice(rest, _CHUNK)):
+        yield chunk
+
+
+class Parts:
+    """The parts in a folder. Files that cannot be read are left aside, and named in `damaged`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.damaged: list[Path] = []
+
+    def add(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Write a part. Raises `InvalidJob` where that cannot be."""
+        name = f"{rows[0]['job_hash']}_{len(rows)}.parquet"
+        known = set(_ROW.names)
+        write_table(
+            self.folder / name,
+            _ROW,
+            ({key: value for key, value in row.items() if key in known} for row in rows),
+        )
+
+    def hashes(self) -> set[str]:
+        """Of all jobs whose rows are there."""
+        done: set[str] = set()
+        self.damaged = []
+        for path in self.paths():
+            try:
+                done.update(pq.read_table(path, columns=["job_hash"])["job_hash"].to_pylist())
+            except (OSError, pa.ArrowException):
+                self.damaged.append(path)
+        return done
+
+    def paths(self) -> list[Path]:
+        """The files of all parts, sorted."""
+        return sorted(self.folder.glob("*.parquet"))
+
+    def readable(self) -> list[Path]:
+        """Those that can be read."""
+        self.hashes()
+        return [path for path in self.paths() if path not in self.damaged]

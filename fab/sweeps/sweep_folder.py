@@ -1,0 +1,152 @@
+"""The folder of a sweep: its variations, its parts, and the table that is made of both.
+
+sweep.json            the sweep as it was run last
+variations.parquet    number, hash of the job, and values of the axes
+parts/                rows by the hash of their job
+files/                files of variations, in folders named by that hash
+results.parquet, .csv the whole table
+.lock                 held while a sweep runs
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from fab import __version__
+from fab.errors import InvalidJob
+from fab.sweeps.parts import Parts, axis_fields, write_table
+from fab.sweeps.sweep_settings import Sweep
+from fab.sweeps.variations import Variation, Variations, hash_of
+
+__all__ = ["Plan", "SweepFolder", "locked"]
+
+_RESULTS = ("results.parquet", "results.csv")
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """The folder is this run's alone. Raises `InvalidJob` where another run is at work in it."""
+    from filelock import FileLock, Timeout
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(folder / ".lock")
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise InvalidJob(
+            f"{folder}: another sweep is at work there. Wait for it, or choose another --out."
+        ) from error
+    except OSError as error:
+        raise InvalidJob(
+            f"{folder}: cannot be written: {error.strerror or error}. Choose another --out."
+        ) from error
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What there is to do: variations, different jobs, and hashes of those without a row.
+
+    others : rows of other jobs. damaged : parts that cannot be read.
+    """
+
+    variations: int
+    jobs: int
+    hashes: set[str]
+    others: int
+    damaged: int
+
+
+@dataclass(frozen=True)
+class SweepFolder:
+    """A folder, and the sweep that runs in it."""
+
+    path: Path
+    sweep: Sweep
+    variations: Variations
+
+    @property
+    def parts(self) -> Parts:
+        """Its parts."""
+        return Parts(self.path / "parts")
+
+    @property
+    def files(self) -> Path | None:
+        """Where files of variations go; None where none are kept."""
+        return self.path / "files" if self.sweep.outputs else None
+
+    def begin(self) -> Plan:
+        """Write the variations, and say what there is to do.
+
+        A variation whose job is that of another is run once.
+        """
+        (self.path / "parts").mkdir(parents=True, exist_ok=True)
+        for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
+            stray.unlink(missing_ok=True)  # of a run that was killed
+        parts = self.parts
+        done = parts.hashes()
+        wanted: set[str] = set()
+
+        def rows() -> Iterator[dict[str, Any]]:
+            for variation in self.variations:
+                hashed = self.hash_of(variation)
+                wanted.add(hashed)
+                yield {"number": variation.number, "job_hash": hashed, **variation.values}
+
+        fields = [pa.field("number", pa.int64()), pa.field("job_hash", pa.string())]
+        schema = pa.schema([*fields, *axis_fields(self.variations.axes)])
+        count = write_table(self.path / "variations.parquet", schema, rows())
+        others, damaged = len(done - wanted), len(parts.damaged)
+        return Plan(count, len(wanted), wanted - done, others, damaged)
+
+    def hash_of(self, variation: Variation) -> str:
+        """The hash of the job of a variation."""
+        return hash_of(self.sweep.varied(variation.values), self.sweep.measured, __version__)
+
+    def pending(self, hashes: set[str]) -> Iterator[Variation]:
+        """The variations of these jobs, the first of each, in their order."""
+        left = set(hashes)
+        for variation in self.variations:
+            hashed = self.hash_of(variation)
+            if hashed in left:
+                left.discard(hashed)
+                yield variation
+
+    def write_results(self) -> dict[str, int]:
+        """Write the whole table, as Parquet and CSV. How many rows have which status."""
+        import duckdb
+
+        with duckdb.connect() as connection:
+            connection.execute("SET preserve_insertion_order = true")
+            variations = str(self.path / "variations.parquet").replace("'", "''")
+            parts = [str(path) for path in self.parts.readable()]
+            names = pq.read_schema(self.path / "variations.parquet").names
+            axes = "".join(f', v."{name}"' for name in names if name not in ("number", "job_hash"))
+            connection.execute(
+                f"CREATE VIEW results AS SELECT v.number, v.job_hash{axes}, "
+                "p.* EXCLUDE (job_hash) "
+                f"FROM read_parquet('{variations}') v JOIN "
+                f"(SELECT DISTINCT ON (job_hash) * FROM read_parquet({parts!r})) p "
+                "ON v.job_hash = p.job_hash ORDER BY v.number"
+            )
+            for name, options in zip(
+                _RESULTS, ("FORMAT parquet", "FORMAT csv, HEADER"), strict=True
+            ):
+                beside = self.path / f".{name}.new"
+                place = str(beside).replace("'", "''")
+                connection.execute(f"COPY results TO '{place}' ({options})")
+                beside.replace(self.path / name)
+            found = connection.execute(
+                "SELECT status, count(*) FROM results GROUP BY status ORDER BY 2 DESC, 1"
+            ).fetchall()
+        return dict(found)

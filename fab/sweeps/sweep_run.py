@@ -1,0 +1,176 @@
+"""Runs of a sweep: what is there already is not done again, and the table is written at the end."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+from fab.errors import InvalidJob, counted
+from fab.progress import Progress, silent
+from fab.sweeps.cluster import ClusterSettings, cluster_pool, lost_batches
+from fab.sweeps.engine import Pool, run_batches
+from fab.sweeps.rows import Batch, row_of
+from fab.sweeps.sweep_folder import SweepFolder, locked
+from fab.sweeps.sweep_settings import Sweep
+from fab.sweeps.variations import Variations, variations_of
+from fab.sweeps.workers import local_pool
+
+__all__ = ["Estimate", "SweepResult", "estimate", "run_sweep"]
+
+# Variations that a dry run makes, to say how long the others take.
+_TRIED = 5
+_MINUTE_S = 60
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """What a run of a sweep made.
+
+    Attributes
+    ----------
+    table : the file of the whole table.
+    variations, jobs : how many there are; alike variations have one job.
+    begun_with : jobs whose rows were there before.
+    others : rows in the folder of jobs that are not in this sweep, or of another version.
+    damaged : parts that could not be read, whose jobs were done again.
+    statuses : how many variations ended in which way.
+    """
+
+    table: Path
+    variations: int
+    jobs: int
+    begun_with: int
+    others: int
+    damaged: int
+    statuses: dict[str, int]
+
+    def lines(self) -> Iterator[str]:
+        """What a user should know of it, line by line."""
+        if self.begun_with:
+            yield f"{self.begun_with} of {counted(self.jobs, 'job')} were there already"
+        if self.others:
+            yield f"{counted(self.others, 'row')} of other variations or versions left aside"
+        if self.damaged:
+            yield f"{counted(self.damaged, 'damaged part')} left aside, done again"
+        ways = ", ".join(f"{count} {status}" for status, count in self.statuses.items())
+        yield f"{counted(self.variations, 'variation')}: {ways}"
+        yield f"wrote {self.table} and {self.table.with_suffix('.csv')}"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """How long a sweep takes: variations, processes, and seconds of those that were tried."""
+
+    variations: int
+    workers: int
+    tried: int
+    seconds: float
+    refused: str = ""
+
+    def lines(self) -> Iterator[str]:
+        """The same, in words."""
+        each = self.seconds / self.tried
+        whole = each * self.variations / self.workers
+        long = f"{whole:.0f} s" if whole < 2 * _MINUTE_S else f"{whole / _MINUTE_S:.0f} min"
+        yield (
+            f"{counted(self.variations, 'variation')}, about {each:.2g} s each by "
+            f"{counted(self.tried, 'trial')}: about {long} with "
+            f"{counted(self.workers, 'process', 'processes')}"
+        )
+        if self.refused:
+            yield f"a trial was not made: {self.refused}"
+
+
+def estimate(
+    sweep: Sweep, *, jobs: int | None = None, source: str = "sweep", progress: Progress = silent
+) -> Estimate:
+    """How many variations a sweep has, and how long they take, by a few spread over it.
+
+    Raises `InvalidJob` as `run_sweep`.
+    """
+    variations = _begun(sweep, source)
+    count = sum(1 for _ in variations)
+    if not count:
+        raise InvalidJob(f"{source}: no variation meets the constraints.")
+    step = max(1, count // _TRIED)
+    chosen = list(islice(variations, 0, None, step))[:_TRIED]
+    refused, began = "", time.perf_counter()
+    for number, variation in enumerate(chosen):
+        progress("try", number, len(chosen))
+        row = row_of(sweep, variation)
+        refused = refused or row["message"]
+    return Estimate(count, _workers(jobs), len(chosen), time.perf_counter() - began, refused)
+
+
+def _workers(jobs: int | None) -> int:
+    if jobs is not None:
+        return jobs
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _begun(sweep: Sweep, source: str) -> Variations:
+    """The variations; an axis that is no key of the job is refused before anything is made."""
+    variations = variations_of(sweep, source)
+    for variation in islice(variations, 1):
+        sweep.job(variation.values)
+    return variations
+
+
+def run_sweep(
+    sweep: Sweep,
+    folder: str | Path,
+    *,
+    jobs: int | None = None,
+    cluster: ClusterSettings | None = None,
+    source: str = "sweep",
+    progress: Progress = silent,
+) -> SweepResult:
+    """Run all variations of a sweep that are not in the folder yet, and write its table.
+
+    Parameters
+    ----------
+    jobs : how many processes work; one for each processor where left out.
+    cluster : what works in place of them.
+    source : what messages call the sweep.
+
+    Raises `InvalidJob` for what is wrong with the sweep, the folder or the cluster. Whatever ends
+    it, rows that are done are kept, and the next run goes on from there.
+    """
+    path, variations = Path(folder), _begun(sweep, source)
+    if cluster is None:
+        workers = _workers(jobs)
+        pool = Pool(partial(local_pool, workers, sweep.limits), workers)
+    else:
+        pool = Pool(partial(cluster_pool, cluster), cluster.workers, lost_batches())
+    with locked(path):
+        there = SweepFolder(path, sweep, variations)
+        plan = there.begin()
+        if not plan.variations:
+            raise InvalidJob(f"{source}: no variation meets the constraints.")
+        pending = there.pending(plan.hashes)
+
+        def batch_of(size: int) -> Batch | None:
+            chosen = tuple(islice(pending, size))
+            return Batch(sweep, chosen, there.files) if chosen else None
+
+        if plan.hashes:
+            run_batches(
+                batch_of, len(plan.hashes), pool, there.parts.add, partial(progress, "sweep")
+            )
+        progress("table", 0, 1)
+        statuses = there.write_results()
+        progress("table", 1, 1)
+    return SweepResult(
+        path / "results.parquet",
+        plan.variations,
+        plan.jobs,
+        plan.jobs - len(plan.hashes),
+        plan.others,
+        plan.damaged,
+        statuses,
+    )

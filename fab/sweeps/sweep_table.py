@@ -1,0 +1,140 @@
+"""Tables of sweeps: the best rows, those that meet a condition, as text or CSV."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fab.errors import InvalidJob, did_you_mean
+
+__all__ = ["Chosen", "choose", "column_named"]
+
+# Words of a condition: text in quotes, names with dots, all else.
+_WORDS = re.compile(r"'(?:[^']|'')*'|\"(?:[^\"]|\"\")*\"|[A-Za-z_][\w.]*|.", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """Rows of a table: names of the columns, and the values of each row."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+    matching: int
+
+
+def column_named(name: str, columns: Sequence[str]) -> str:
+    """The column of a name, whole or without what is before its last dots.
+
+    Raises `InvalidJob` for names that no column has, or several.
+
+    >>> column_named("mass_g", ["solids.mass_g", "crossings"])
+    'solids.mass_g'
+    """
+    if name in columns:
+        return name
+    ending = [column for column in columns if column.endswith(f".{name}")]
+    if len(ending) == 1:
+        return ending[0]
+    if ending:
+        raise InvalidJob(f"{name} is one of {', '.join(ending)}: give one of them in full.")
+    short = [column.rpartition(".")[2] for column in columns]
+    raise InvalidJob(f"{name} is no column of the table.{did_you_mean(name, [*columns, *short])}")
+
+
+def choose(
+    table: Path,
+    *,
+    best: str | None = None,
+    where: str | None = None,
+    top: int | None = None,
+    show: Sequence[str] = (),
+    whole: bool = False,
+) -> Chosen:
+    """Rows of the table of a sweep.
+
+    Parameters
+    ----------
+    best : a column of which the lowest values come first; with - before it, the highest.
+    where : a condition as in SQL, such as "crossings = 0 and minutes < 10". Columns may be named
+        without what is before their dots.
+    top : at most so many rows.
+    show : columns; where left out, axes, status, and those that best and where name.
+    whole : whether all columns are shown instead.
+
+    Raises `InvalidJob` for a table that is not there, unknown columns, and what is no condition.
+    """
+    import duckdb
+
+    if not table.is_file():
+        raise InvalidJob(f"{table}: is not there. Make it with `quadfold sweep`.")
+    with duckdb.connect() as connection:
+        try:
+            connection.execute(
+                "CREATE TABLE results AS SELECT * FROM read_parquet(?)", [str(table)]
+            )
+        except duckdb.Error as error:
+            raise InvalidJob(f"{table}: is no table of a sweep: {error}") from error
+        connection.execute("SET enable_external_access = false")
+        connection.execute("SET lock_configuration = true")
+        columns = [row[0] for row in connection.execute("DESCRIBE results").fetchall()]
+        names = [column_named(name, columns) for name in show]
+        if whole:
+            names = columns
+        elif not names:
+            names = _usual(columns, best, where)
+        query = f"FROM results WHERE ({_condition(where, columns) if where else 'true'})"
+        order = ""
+        if best is not None:
+            column = column_named(best.removeprefix("-"), columns)
+            direction = "DESC" if best.startswith("-") else "ASC"
+            query += f" AND {_quoted(column)} IS NOT NULL"
+            order = f" ORDER BY {_quoted(column)} {direction}, number"
+        try:
+            found = connection.execute(f"SELECT count(*) {query}").fetchone()
+            listed = ", ".join(map(_quoted, names))
+            limit = "" if top is None else f" LIMIT {int(top)}"
+            rows = connection.execute(
+                f"SELECT {listed} {query}{order or ' ORDER BY number'}{limit}"
+            ).fetchall()
+        except duckdb.Error as error:
+            text = str(error).splitlines()[0]
+            raise InvalidJob(
+                f"--where {where!r}: is no condition on these columns: {text}"
+            ) from error
+    return Chosen(tuple(names), tuple(map(tuple, rows)), 0 if found is None else int(found[0]))
+
+
+def _usual(columns: Sequence[str], best: str | None, where: str | None) -> list[str]:
+    """Number, axes and status, and the columns that are asked for."""
+    begin = [name for name in columns[: columns.index("status") + 1] if name != "job_hash"]
+    words = [] if where is None else _WORDS.findall(where)
+    asked = [] if best is None else [column_named(best.removeprefix("-"), columns)]
+    asked += [_word(word, columns)[1:-1] for word in words if _word(word, columns) != word]
+    return list(dict.fromkeys([*begin, *asked]))
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _condition(text: str, columns: Sequence[str]) -> str:
+    """A condition with names of columns in quotes.
+
+    >>> print(_condition("mass_g < 5 and status = 'made'", ["solids.mass_g", "status"]))
+    "solids.mass_g" < 5 and "status" = 'made'
+    """
+    if ";" in text:
+        raise InvalidJob(f"--where {text!r}: must be one condition, without ';'.")
+    return "".join(_word(word, columns) for word in _WORDS.findall(text))
+
+
+def _word(word: str, columns: Sequence[str]) -> str:
+    if not re.fullmatch(r"[A-Za-z_][\w.]*", word):
+        return word
+    ending = [column for column in columns if column == word or column.endswith(f".{word}")]
+    if word in columns or len(ending) == 1 or "." in word or ending:
+        return _quoted(column_named(word, columns))
+    return word  # of SQL

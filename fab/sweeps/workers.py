@@ -1,0 +1,161 @@
+"""Worker processes of a sweep: their limits, and a process for a single variation.
+
+A variation that takes too long is interrupted within its process. One that cannot be interrupted,
+because it is within a library, ends its process; so does one that crashes it. The batch is then run
+again one variation at a time, each in a process of its own, which says which of them it was.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing.connection import Connection
+from typing import Any
+
+from fab.sweeps.rows import Batch, ended_row, row_of
+from fab.sweeps.sweep_settings import Limits
+
+__all__ = ["alone", "batch_rows", "local_pool"]
+
+# Over the limit, until a process that could not be interrupted is ended.
+_GRACE_S = 5.0
+_THREADS = (
+    *("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"),
+    *("IGL_NUM_THREADS", "RAYON_NUM_THREADS"),
+)
+# A worker is made anew after so many batches, so that memory that libraries lose does not add up.
+_BATCHES = 200
+# Exit code of a process that ends itself because a variation takes too long.
+_OVER = 75
+
+
+@contextmanager
+def local_pool(jobs: int, limits: Limits) -> Iterator[Executor]:
+    """A pool of processes on this machine, each with one thread. Its processes end with it."""
+    with _one_thread():
+        pool = ProcessPoolExecutor(
+            jobs,
+            multiprocessing.get_context("spawn"),
+            initializer=_begin,
+            initargs=(limits.memory_mb,),
+            max_tasks_per_child=_BATCHES,
+        )
+        try:
+            yield pool
+        finally:
+            processes = list((pool._processes or {}).values())  # there is no public list of them
+            pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                process.terminate()
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Libraries in processes that begin within use one thread, as many processes work at once."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _begin(memory_mb: int | None) -> None:
+    """In a worker: interrupts are left to the parent, and memory is bounded."""
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if memory_mb is not None:
+        try:
+            import resource
+        except ImportError:  # not on this system, which bounds no memory
+            return
+        bound = memory_mb * 1024 * 1024
+        resource.setrlimit(resource.RLIMIT_AS, (bound, bound))
+
+
+def batch_rows(batch: Batch) -> list[dict[str, Any]]:
+    """The rows of a batch, in a worker that ends itself where a variation cannot be interrupted."""
+    return list(_watched_rows(batch))
+
+
+def _watched_rows(batch: Batch) -> Iterator[dict[str, Any]]:
+    for variation in batch.variations:
+        watch = threading.Timer(batch.sweep.limits.seconds + _GRACE_S, os._exit, (_OVER,))
+        watch.daemon = True
+        watch.start()
+        row = row_of(batch.sweep, variation, batch.folder)
+        watch.cancel()
+        yield row
+
+
+def alone(batch: Batch) -> list[dict[str, Any]]:
+    """The rows of a batch in a process of its own, which says of each when it is done.
+
+    Where it ends before, the variation that it was at has that as its row, and a new process goes
+    on with the next.
+    """
+    rows: list[dict[str, Any]] = []
+    while len(rows) < len(batch.variations):
+        rest = replace(batch, variations=batch.variations[len(rows) :])
+        found, end = _until_it_ends(rest)
+        rows += found
+        if end is not None:
+            status, text = end
+            rows.append(ended_row(batch.sweep, rest.variations[len(found)], status, text))
+    return rows
+
+
+def _until_it_ends(batch: Batch) -> tuple[list[dict[str, Any]], tuple[str, str] | None]:
+    """Rows of a process for a batch; status and reason where it ended before all were done."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe(duplex=False)
+    with _one_thread():
+        process = context.Process(target=_send_rows, args=(theirs, batch), daemon=True)
+        process.start()
+    theirs.close()
+    rows: list[dict[str, Any]] = []
+    try:
+        while len(rows) < len(batch.variations):
+            rows.append(ours.recv())
+    except EOFError:
+        process.join(_GRACE_S)
+        if process.exitcode == _OVER:
+            limit = batch.sweep.limits.seconds
+            text = f"took more than limits.seconds = {limit:g}, and could not be interrupted"
+            return rows, ("too slow", text)
+        return rows, ("crashed", _end_of(process.exitcode))
+    finally:
+        ours.close()
+        process.kill()
+        process.join()
+    return rows, None
+
+
+def _send_rows(connection: Connection, batch: Batch) -> None:
+    _begin(batch.sweep.limits.memory_mb)
+    for row in _watched_rows(batch):
+        connection.send(row)
+
+
+def _end_of(code: int | None) -> str:
+    """How a process ended, in words.
+
+    >>> _end_of(-11), _end_of(3)
+    ('its process ended by SIGSEGV', 'its process ended with exit code 3')
+    """
+    if code is not None and code < 0:
+        try:
+            return f"its process ended by {signal.Signals(-code).name}"
+        except ValueError:
+            return f"its process ended by signal {-code}"
+    return f"its process ended with exit code {code}"

@@ -1,0 +1,125 @@
+"""Axes, their combinations and constraints: the values of every variation."""
+
+from itertools import product
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fab.errors import InvalidJob
+from fab.sweeps.axes import Axis, axes_of
+from fab.sweeps.constraints import Constraint
+from fab.sweeps.sweep_settings import load_sweep
+from fab.sweeps.variations import Variations, variations_of
+
+
+def swept(tmp_path, text, head='name = "s"\nbase = "miura"\n'):
+    path = tmp_path / "s.toml"
+    path.write_text(head + text)
+    sweep = load_sweep(path)
+    return sweep, variations_of(sweep, "s.toml")
+
+
+@given(st.lists(st.integers(1, 4), min_size=1, max_size=4))
+def test_a_grid_has_every_combination_once_the_last_axis_fastest(sizes):
+    axes = [Axis(f"a.k{i}", tuple(range(size))) for i, size in enumerate(sizes)]
+    whole = 1
+    for size in sizes:
+        whole *= size
+    found = [tuple(v.values.values()) for v in Variations(tuple(axes), "grid", whole)]
+    assert found == list(product(*(axis.values for axis in axes)))
+
+
+@given(
+    st.floats(-100, 100),
+    st.floats(0.1, 100),
+    st.integers(2, 30),
+    st.integers(-9, 9),
+    st.integers(1, 5),
+)
+def test_steps_have_both_ends_and_equal_distances(first, length, steps, low, step):
+    table = {"a": {"from": first, "to": first + length, "steps": steps}}
+    table["b"] = {"from": low, "to": low + step * (steps - 1), "steps": steps}
+    floats, whole = axes_of(table, "s")
+    assert floats.values[0] == first
+    assert floats.values[-1] == pytest.approx(first + length)
+    gaps = [b - a for a, b in zip(floats.values, floats.values[1:], strict=False)]
+    assert gaps == pytest.approx([length / (steps - 1)] * (steps - 1))
+    assert whole.values == tuple(range(low, low + step * (steps - 1) + 1, step))
+    assert all(type(value) is int for value in whole.values)
+
+
+def test_zip_takes_values_side_by_side_and_constraints_leave_out(tmp_path):
+    text = 'combine = "zip"\n[axes]\ndesign.columns = [4, 6, 8]\ndesign.rows = [3, 2, 5]\n'
+    _, zipped = swept(tmp_path, text)
+    pairs = [(v.values["design.columns"], v.values["design.rows"]) for v in zipped]
+    assert pairs == [(4, 3), (6, 2), (8, 5)]
+    less = 'constraints = ["design.columns <= 2 * design.rows"]\n'
+    _, fewer = swept(tmp_path, less + text)
+    assert [v.number for v in fewer] == [0, 2]
+    assert fewer.whole == 3
+
+
+def test_a_latin_hypercube_has_each_axis_spread_evenly_and_is_the_same_again(tmp_path):
+    text = (
+        'combine = "latin_hypercube"\ncount = 40\nseed = 3\n[axes]\n'
+        "design.fold_deg = { from = 20.0, to = 60.0, steps = 2 }\ndesign.columns = [2, 11]\n"
+    )
+    _, first = swept(tmp_path, text)
+    values = [v.values for v in first]
+    cells = sorted(int((v["design.fold_deg"] - 20.0) / 1.0) for v in values)
+    assert cells == list(range(40))
+    columns = [v["design.columns"] for v in values]
+    assert {columns.count(n) for n in range(2, 12)} == {4}
+    assert [v.values for v in swept(tmp_path, text)[1]] == values
+
+
+def test_random_values_lie_within_their_bounds_and_follow_the_seed():
+    table = {"a": {"random": [1.0, 2.0], "count": 50, "seed": 4}}
+    (first,), (again,) = axes_of(table, "s"), axes_of(table, "s")
+    assert first.values == again.values
+    assert all(1 <= value <= 2 for value in first.values)
+    assert len(set(first.values)) == 50
+    (other,) = axes_of({"a": {**table["a"], "seed": 5}}, "s")
+    assert other.values != first.values
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[axes]\n", "axes is empty"),
+        ("[axes]\ndesign.rows = []\n", "has 0 values, must have 1 to"),
+        ("[axes]\ndesign.rows = 4\n", "must be a list of values"),
+        ("[axes]\ndesign.rows = [2, 2]\n", "2 is listed twice"),
+        ("[axes]\ndesign.rows = [[1, 2]]\n", "must be a number, text, true or false"),
+        ("[axes]\ndesign.rows = { from = 1, to = 4, steps = 3 }\n", "are no whole numbers"),
+        ("[axes]\ndesign.rows = { from = 1, to = 4 }\n", "steps is missing"),
+        ("[axes]\ndesign.rows = { random = [4, 1], count = 3 }\n", "lower value first"),
+        ('combine = "zip"\n[axes]\na.b = [1]\na.c = [1, 2]\n', "axes of equal length"),
+        ("count = 4\n[axes]\na.b = [1]\n", "a Latin hypercube needs count"),
+        ('constraints = ["a.b <"]\n[axes]\na.b = [1]\n', "is no condition"),
+        ('constraints = ["a.c < 1"]\n[axes]\na.b = [1]\n', "a.c is no axis. Did you mean a.b?"),
+        ('measure = ["folds"]\n[axes]\na.b = [1]\n', "measure.0"),
+        ('base2 = "x"\n[axes]\na.b = [1]\n', "base2"),
+    ],
+)
+def test_what_is_wrong_is_named(tmp_path, text, words):
+    with pytest.raises(InvalidJob, match=words.replace("(", r"\(")):
+        swept(tmp_path, text)
+
+
+def test_too_many_variations_are_refused_with_their_count(tmp_path):
+    text = "[axes]\n" + "".join(
+        f"design.k{i} = {{ from = 0.0, to = 1.0, steps = 1000 }}\n" for i in range(3)
+    )
+    with pytest.raises(InvalidJob, match="has 1000000000 variations"):
+        swept(tmp_path, text)
+    many = "[axes]\n" + "".join(f"design.k{i} = [0.0]\n" for i in range(1000))
+    with pytest.raises(InvalidJob, match="has 1000 axes, must have at most 50"):
+        swept(tmp_path, many)
+
+
+def test_constraints_run_no_code():
+    for text in ("__import__('os').system('true')", "a.b.__class__", "(lambda: 1)()"):
+        with pytest.raises(InvalidJob):
+            Constraint(text, ["a.b"]).holds({"a.b": 1})
