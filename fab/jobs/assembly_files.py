@@ -16,9 +16,11 @@ from fab.layout.nesting import Placements
 from fab.pattern.closing_edges import folded_by_angles
 from fab.pattern.crease_pattern import CreasePattern
 from fab.sheets.cut_pieces import CutPattern, PatternCopies
+from fab.sheets.cut_wishes import TabKind
 from fab.sheets.labels import number_text
 from fab.sheets.piece_patterns import Piece
 from fab.sheets.rim_points import rim_points
+from fab.sheets.seams import Seam
 from fab.sheets.sheet_drawings import SheetDrawings
 from fab.sheets.sheet_request import SheetRequest
 from fab.viewing.assembly.guide import assembly_guide
@@ -109,8 +111,9 @@ def _model(
             seam.pieces,
             seam.length_mm,
             seam.fold_angle_deg,
-            Hold.TAPE if seam.tab is None else Hold.TAB,
+            _hold(seam, request.wishes.tabs),
             None if seam.tab is None else seam.pieces[seam.tab],
+            seam.stitches,
         )
         for seam in cut.pieces.seams
     )
@@ -132,6 +135,17 @@ def _model(
         total,
         _motion(pattern),
     )
+
+
+# What a seam that has a tab is held by.
+_HOLDS = {"one side": Hold.TAB, "both sides": Hold.TABS, "slots": Hold.TONGUE}
+
+
+def _hold(seam: Seam, tabs: TabKind) -> Hold:
+    """What holds a seam together: tape where there is no room for anything else."""
+    if seam.stitches:
+        return Hold.STITCHES
+    return Hold.TAPE if seam.tab is None else _HOLDS[tabs]
 
 
 def _motion(pattern: CreasePattern) -> Motion:

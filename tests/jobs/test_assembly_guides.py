@@ -280,6 +280,29 @@ def test_sheets_that_lie_alike_are_shown_once():
     assert len(maps) < len(made.report["sheets"])
 
 
+@pytest.mark.parametrize(
+    ("tabs", "done", "listed"),
+    [
+        ("one side", r"Glue the tabs? of [A-D] under [A-D]", "tab of [A-D]"),
+        ("both sides", r"glue them onto each other( at [\d, and to]+)?\.", "two tabs"),
+        ("slots", r"Put the tongues? of [A-D] into the slots? of [A-D]", "tongue of [A-D]"),
+        ("stitches", r"Sew (them|it|[\d, and to]+) through the holes", r"\d+ stitch(es)?"),
+        ("none", r"Tape (them|it|[\d, and to]+) on the lower side", "tape"),
+    ],
+)
+def test_steps_say_what_holds_each_seam(tabs, done, listed):
+    made, guide = guided(sized("miura", 420.0), tabs=tabs)
+    steps = [block for block in guide.blocks if isinstance(block, Step) and "Join" in block.title]
+    assert steps
+    assert all(re.search(done, step.text) for step in steps), [step.text for step in steps]
+    (table,) = [block for block in guide.blocks if isinstance(block, Table)]
+    assert any(re.fullmatch(listed, row[4]) for row in table.rows)
+    assert all(re.fullmatch(f"{listed}|tape", row[4]) for row in table.rows)
+    for row, seam in zip(table.rows, made.report["glue_up"], strict=True):
+        if seam.get("stitches"):
+            assert row[4].startswith(f"{seam['stitches']} ")
+
+
 def sheet_box(guide):
     """The box of all pieces on the first sheet, in shares of the paper that it takes."""
     sketch = next(

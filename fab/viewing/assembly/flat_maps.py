@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fab.geometry.rings import by_size
-from fab.viewing.assembly.parts import Joint, Model
+from fab.viewing.assembly.parts import Hold, Joint, Model
 from fab.viewing.assembly.piece_colours import hex_colour, paler
 from fab.viewing.assembly.steps import numbers_text
 from fab.viewing.drawing import CREASE_INK
@@ -283,7 +283,7 @@ def _is_number(mark: Mark) -> bool:
     return isinstance(mark, Words) and mark.text.isdigit()
 
 
-def legend(pattern_letters: Sequence[str], seams: bool, tabs: bool, width_mm: float) -> Sketch:
+def legend(letters: Sequence[str], model: Model, width_mm: float) -> Sketch:
     """What the lines of maps mean."""
     names = {
         "M": "mountain: fold away from you",
@@ -293,8 +293,14 @@ def legend(pattern_letters: Sequence[str], seams: bool, tabs: bool, width_mm: fl
         "U": "crease without direction",
         "C": "cut",
     }
-    shown = [(letter, names[letter]) for letter in "MVFJUC" if letter in pattern_letters]
-    shown += [("", "seam, with its number")] * seams + [("t", "tab")] * tabs
+    shown = [(letter, names[letter]) for letter in "MVFJUC" if letter in letters]
+    if model.joints:
+        shown.append(("", "seam, with its number"))
+    if any(len(piece.tabs) for piece in model.pieces):
+        tongues = any(joint.hold is Hold.TONGUE for joint in model.joints)
+        shown.append(("t", "tongue" if tongues else "tab"))
+    if model.points:
+        shown.append(("p", "point that is glued, with its number"))
     marks: list[Mark] = []
     x, row = 0.0, 0
     placed = []
@@ -310,6 +316,8 @@ def legend(pattern_letters: Sequence[str], seams: bool, tabs: bool, width_mm: fl
         line = np.array([[[x, y], [x + 12.0, y]]])
         if letter == "":
             marks.append(Lines(line, _SEAM_INK, _SEAM_MM))
+        elif letter == "p":
+            marks.append(Area((line[0, 1] + 0.6 * _DOT,), "#000000"))
         elif letter == "t":
             marks.append(Lines(line, _TAB_INK, _TAB_MM, _TAB_DASHES))
         else:

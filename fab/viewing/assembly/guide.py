@@ -65,8 +65,7 @@ def _model(model: Model, views: FormViews | None, assembly: Assembly) -> list[Bl
     high = 80.0 if single else 215.0 if len(model.joints) > _MANY_JOINTS else 130.0
     blocks: list[Block] = [Heading("Flat pattern"), Row((flat.whole((_WIDE, high)),))]
     letters = np.unique(model.pattern.edges_assignment).tolist()
-    tabs = any(len(piece.tabs) for piece in model.pieces)
-    blocks.append(Row((legend(letters, bool(model.joints), tabs, _WIDE),)))
+    blocks.append(Row((legend(letters, model, _WIDE),)))
     blocks.append(Heading("Steps"))
     blocks += _steps(model, flat, None if single else views, assembly)
     if model.joints:
@@ -75,7 +74,9 @@ def _model(model: Model, views: FormViews | None, assembly: Assembly) -> list[Bl
 
 
 def _table_text(model: Model) -> str:
-    text = "In the order in which they are glued; each number is engraved on both sides of its seam"
+    text = (
+        "In the order in which they are joined; each number is engraved on both sides of its seam"
+    )
     stopped = [joint.engraved for joint in model.joints if joint.engraved != str(joint.label)]
     if stopped:
         text += f", with a full stop where it would be another one upside down: {stopped[0]}"

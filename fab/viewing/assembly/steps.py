@@ -106,7 +106,7 @@ def _creased(model: Model) -> list[WrittenStep]:
     angles = np.abs(pattern.edges_foldAngle[np.isin(letters, ["M", "V"])])
     how = "Fold each crease once to its angle and open it again"
     if model.joints:
-        how += ", before anything is glued"
+        how += ", before anything is joined"
     text = f"{how}: {listed([kind for kind in kinds if kind])}, seen from the upper side."
     angles = angles[angles > _FLAT_DEG]
     if len(angles):
@@ -123,8 +123,7 @@ def _joined(model: Model, later: int, joints: Sequence[Joint], done: set[int]) -
     names = [model.pieces[piece].name for piece in others]
     name = model.pieces[later].name
     text = (
-        f"{_seams(joints).capitalize()}. Glue {name} on while both lie flat, upper side up. "
-        f"{_held(model, joints)}"
+        f"{_seams(joints).capitalize()}, while all lies flat, upper side up. {_held(model, joints)}"
     )
     labels = tuple(joint.label for joint in joints)
     return WrittenStep(
@@ -175,18 +174,20 @@ def _held(model: Model, joints: Sequence[Joint]) -> str:
     for hold, text in _OTHERS.items():
         own = [joint for joint in joints if joint.hold is hold]
         if own:
-            which = numbers_text(joint.label for joint in own)
+            which, at = numbers_text(joint.label for joint in own), ""
             if len(own) == len(joints):
                 which = "it" if len(own) == 1 else "them"
-            sentences.append(text.format(which))
+            else:
+                at = f" at {which}"
+            sentences.append(text.format(which=which, at=at))
     return " ".join(sentences)
 
 
 # What is done with seams that no tab of one side holds.
 _OTHERS = {
-    Hold.TABS: "Fold the tabs of both sides down and glue them onto each other at {}.",
-    Hold.STITCHES: "Sew {} through the holes of both sides.",
-    Hold.TAPE: "Tape {} on the lower side.",
+    Hold.TABS: "Fold the tabs of both sides behind the sheet and glue them onto each other{at}.",
+    Hold.STITCHES: "Sew {which} through the holes of both sides.",
+    Hold.TAPE: "Tape {which} on the lower side.",
 }
 
 
@@ -208,7 +209,10 @@ def _tabs(model: Model, joints: Sequence[Joint]) -> list[str]:
             own = "under its other edge" if len(labels) == 1 else "under its other edges"
             where = own if holder == other else f"under {names[1]}"
         else:
-            where = "into its own slots" if holder == other else f"into the slots of {names[1]}"
+            slots = "slot" if len(labels) == 1 else "slots"
+            where = (
+                f"into its own {slots}" if holder == other else f"into the {slots} of {names[1]}"
+            )
         told.setdefault(hold, []).append(f"{things} of {names[0]} {where}{at}")
     verbs = {Hold.TAB: "Glue", Hold.TONGUE: "Put"}
     return [f"{verbs[hold]} {listed(words)}." for hold, words in told.items()]
