@@ -5,5 +5,6 @@
 - `assembly_order` orders and names the pieces: `assembly_order`, `piece_name`.
 - `nesting` places pieces on as few beds as it finds: `nest`, `Placements`; `turned_pieces` are what
   it places, `bed_filling` fills one bed after another, and `gap_filling` the gaps between pieces.
+- `blocks` lays pieces side to side along equal sides, to be placed as one.
 - `piece_gaps` sets pieces apart that touch or come too near.
 """

@@ -12,7 +12,7 @@ from fab.geometry.boxes import smallest_box
 from solver.errors import InvalidState, InvalidValue
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["ROUNDING_MM", "Spot", "TurnedPiece", "lying", "turned_piece"]
+__all__ = ["ROUNDING_MM", "Spot", "TurnedPiece", "lying", "rotation", "turned_piece"]
 
 # Gaps and borders may fall short by the rounding of coordinates, in mm.
 ROUNDING_MM = 1e-9
@@ -95,7 +95,7 @@ def turned_piece(
     else:
         groups = np.array([rotations_deg], float)
     turns_deg, each = groups.ravel(), groups.shape[1]
-    turns = np.array([_rotation(angle) for angle in turns_deg])
+    turns = np.array([rotation(angle) for angle in turns_deg])
     turned = shapely.get_coordinates(polygon.exterior) @ turns.swapaxes(1, 2)
     boxes = np.stack([turned.min(axis=1), turned.max(axis=1)], axis=1)
     size = boxes[:, 1] - boxes[:, 0]
@@ -119,7 +119,7 @@ def turned_piece(
     )
 
 
-def _rotation(angle_deg: float) -> FloatArray:
+def rotation(angle_deg: float) -> FloatArray:
     """The matrix of a rotation; exact where it is a multiple of 90 degrees."""
     whole, rest = divmod(angle_deg, 90.0)
     c, s = np.cos(np.radians(rest)), np.sin(np.radians(rest))

@@ -29,6 +29,7 @@ Lines to cut:
 
 Work on the machine:
 
+- `shared_cuts`: pieces placed side to side, so that the lines that they share are cut once.
 - `sheet_drawings`: pieces placed on sheets, drawn, and what the report says of them.
 - `turned_cuts`: pieces cut anew for a beam that is wider along an axis; `sheet_finish`: bridges,
   mirror and knife; `sheet_title`: a title beside the pieces.

@@ -45,6 +45,11 @@ class CutterSettings(CutWishes):
         description="pieces that lie on the first sheets, by their names, such as A, or those of "
         "their patterns",
     )
+    shared_cuts: bool = Field(
+        default=False,
+        description="pieces lie side to side along straight sides of equal length, which are cut "
+        "once",
+    )
     grain_deg: Degrees | None = Field(
         default=None,
         description="direction in the pattern that is to lie along the grain, 0 for x; pieces are "
@@ -88,6 +93,7 @@ class CutterSettings(CutWishes):
             names=(_stem(self.material), _stem(self.machine)),
             guide=guide,
             priority=tuple(self.priority),
+            shared_cuts=self.shared_cuts,
         )
 
 

@@ -21,6 +21,7 @@ from fab.sheets.piece_patterns import Before, Piece
 from fab.sheets.pieces import Pieces
 from fab.sheets.registration import how_to_turn, two_sided
 from fab.sheets.seams import Seam
+from fab.sheets.shared_cuts import placed_side_to_side
 from fab.sheets.sheet_finish import Finished, finish_findings, finished, followed
 from fab.sheets.sheet_report import PatternRow, estimate_report, sheet_report, sides_report
 from fab.sheets.sheet_request import SheetRequest
@@ -83,7 +84,7 @@ def sheet_drawings(
         copies += [many] * len(made.layers)
     layers = [piece for made in cut for piece in made.layers]
     first = _first(patterns, cut, request)
-    placements = _placed(layers, copies, first, request, progress)
+    placements = _placed(cut, copies, first, request, progress)
     lying = placements
     turned: tuple[Finding, ...] = ()
     if not request.machine.beam.is_round:
@@ -139,15 +140,19 @@ def _together(cut: Sequence[CutPattern]) -> Pieces:
 
 
 def _placed(
-    layers: Sequence[Sequence[Layer]],
+    cut: Sequence[CutPattern],
     copies: Sequence[int],
     first: Sequence[bool],
     request: SheetRequest,
     progress: Progress,
 ) -> Placements:
     """Where on which sheet each copy of each piece is."""
-    outlines = [outline(piece) for piece in layers]
+    outlines = [outline(piece) for made in cut for piece in made.layers]
     progress("nest", 0, sum(copies))
+    if request.shared_cuts:
+        patterns = [piece.pattern for made in cut for piece in made.pieces.pieces]
+        told = partial(progress, "nest")
+        return placed_side_to_side(patterns, outlines, copies, first, request, told)
     return nest(
         outlines,
         request.machine.bed_mm,

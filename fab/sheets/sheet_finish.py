@@ -1,6 +1,6 @@
 """Finish of a sheet: mirror, title and bridges; and how its lines are followed in the end.
 
-placed pieces -> mirror -> title -> bridges; then for each drawing
+placed pieces -> mirror -> title -> shared lines once, or bridges; then for each drawing
 order of the work -> lead-ins and overcuts -> path of the knife's axis
 """
 
@@ -16,6 +16,7 @@ from fab.drawings.closed_slots import slot_beside
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.drawings.drag_knife import blade_led
 from fab.drawings.holding_bridges import bridged
+from fab.drawings.shared_lines import cut_once
 from fab.errors import Finding, Severity, counted
 from fab.sheets.cutting_order import occupied_holes_last, tour
 from fab.sheets.sheet_request import SheetRequest
@@ -54,6 +55,8 @@ def finished(paths: CutPaths, name: str, request: SheetRequest) -> Finished:
         whole = titled(paths, texts, request.margin_mm, request.gap_mm)
         left_out = whole is None
         paths = paths if whole is None else whole
+    if request.shared_cuts:
+        paths = cut_once(paths)
     counts: tuple[int, ...] = ()
     if wishes.bridges:
         paths, counts = _bridged(paths, request)

@@ -48,6 +48,7 @@ class SheetRequest:
     piece_gap_mm : kept free between two pieces; None for 2 mm, or 4 kerfs of a wide beam.
     wishes : for the cuts. names : of material and machine, for titles.
     priority : names of pieces, or of patterns for all of theirs, that lie on the first sheets.
+    shared_cuts : whether pieces lie side to side along equal sides, which are cut once.
 
     Raises `InvalidValue` for copies that are no such number, and for slots that are not wider than
     the kerf; `InvalidState` for G-code of a machine that has no power to cut with, for two-sided
@@ -68,6 +69,7 @@ class SheetRequest:
     names: tuple[str, str] = field(default=("", ""), compare=False)
     guide: bool = False
     priority: tuple[str, ...] = ()
+    shared_cuts: bool = False
 
     def __post_init__(self) -> None:
         require_count("copies", self.copies, 1, "Ask for one copy or more.")
@@ -96,6 +98,8 @@ class SheetRequest:
                 f"sheets that are two_sided cannot have {which} = true too",
                 f"Leave out two_sided or {which}.",
             )
+        if self.shared_cuts:
+            self._require_shareable()
         scored = [key for key in ("mountain", "valley", "flat", "unassigned") if self._scored(key)]
         if self.wishes.closed_slots and scored:
             raise InvalidState(
@@ -105,6 +109,19 @@ class SheetRequest:
             )
         if self.wishes.closed_slots:
             require_wider(self.wishes.slot_mm, self.machine.beam)
+
+    def _require_shareable(self) -> None:
+        """Raise `InvalidState` where pieces cannot have sides in common."""
+        reasons = {
+            "bridges would leave open what two pieces share": self.wishes.bridges > 0,
+            "closed_slots wants no open cuts": self.wishes.closed_slots,
+            "the beam is wider along an axis, and pieces that are turned need gaps of their own": (
+                not self.machine.beam.is_round
+            ),
+        }
+        for reason, given in reasons.items():
+            if given:
+                raise InvalidState("cutter", f"shared_cuts = true: {reason}", "Leave out one.")
 
     def _scored(self, key: str) -> bool:
         tables = (self.perforation, *self.perforation.bands)
