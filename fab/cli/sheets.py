@@ -241,7 +241,7 @@ def coupon(
         require_folder(out)
         words = [Path(word).name.removesuffix(".toml") for word in names]
         name = plain_title("_".join(["coupon", *words]))
-        paths = tour(coupon(cutter, stock))
+        paths = tour(coupon(cutter, stock, (words[0], words[1])))
         request = SheetRequest(stock, cutter, formats=formats)
         files = drawing_files(paths, name, formats, request.drawing_style)
         write_made(Made(files, {}, ()), out)

@@ -3,12 +3,13 @@
 It has tongues that can be folded, each on a crease of its own style: cuts grow to the right, gaps
 upwards, around the material's starting values (the lengths are engraved as cut / gap). Below them
 are a comb of slots, and a tab: the slot that holds it tightly is labelled with the kerf. Nothing is
-corrected for the kerf, since the card is to measure it.
+corrected for the kerf, since the card is to measure it. Below all of it is engraved what it is cut
+from, on which machine, and how it is read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from fab.sheets.crease_cuts import cuts_along, unscaled_length
 from fab.sheets.crease_styles import CreaseStyle, EngraveStyle, LatticeStyle
 from fab.sheets.labels import text_lines, text_width
 from fab.sheets.materials import Machine, Material, perforation_for
+from fab.sheets.stroke_letters import letter_strokes
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray
 
@@ -31,6 +33,8 @@ _LETTER_MM = 2.5
 _TONGUE_MM = 20.0
 _TAB_MM = 10.0
 _SLOTS = 9
+# From line to line of the text, in heights of letters.
+_PITCH = 1.7
 # The two lengths of each kind of style that are tried.
 _TRIED = {
     "dots": ("dot_mm", "pitch_mm"),
@@ -52,8 +56,10 @@ class _Block:
         return [layer.moved(np.eye(2), np.array([x, y])) for layer in self.layers]
 
 
-def coupon(machine: Machine, material: Material) -> CutPaths:
+def coupon(machine: Machine, material: Material, names: tuple[str, str] | None = None) -> CutPaths:
     """The test card on the bed, as large as need be, in the lower left corner of its margins.
+
+    names : of the material and the machine, to be engraved; their descriptions where left out.
 
     For machines whose software perforates by itself the creases are whole lines, one for mountains
     and one for valleys: on them the software's own cut and skip lengths are tried. Raises
@@ -62,12 +68,15 @@ def coupon(machine: Machine, material: Material) -> CutPaths:
     perforation = perforation_for(machine, material)
     styles = {Operation.MOUNTAIN: perforation.mountain, Operation.VALLEY: perforation.valley}
     comb = _comb(machine.beam.widest_mm, material.thickness_mm)
+    stock, cutter = names or (material.description, machine.description)
+    texts = [f"{stock} on {cutter}.", *_instructions(styles)]
     room = machine.room_mm
     size = (0.0, 0.0)
     for shares in _TABLES:
         tables = [_table(letter, style, shares, material) for letter, style in styles.items()]
         for stacked in (_beside, _above):
-            card = _framed(_above([comb, stacked(tables)]))
+            body = _above([comb, stacked(tables)])
+            card = _framed(_above([_words(texts, body.size[0]), body]))
             size = card.size
             if size[0] <= room[0] and size[1] <= room[1]:
                 corner = machine.margin_mm
@@ -150,9 +159,51 @@ def _tongue(
     layers = (
         _text(label, _LETTER_MM, text_mm / 2),
         Layer(made, cuts_along(crease, style, margin).segments),
-        Layer(Operation.CUT, np.stack([free[:-1], free[1:]], axis=1)),
+        Layer(Operation.CUT, chains=(free.astype(np.float64),)),
     )
     return _Block(layers, (max(width, text_mm), top + _SPACE_MM))
+
+
+def _instructions(styles: Mapping[Operation, CreaseStyle]) -> Iterator[str]:
+    """How the card is read, sentence by sentence."""
+    for letter, style in styles.items():
+        what = f"{letter[0]}: {letter.lower()}, {style.kind.replace('_', ' ')}"
+        keys = _TRIED.get(style.kind)
+        lengths = f", {' / '.join(key.removesuffix('_mm') for key in keys)} in mm" if keys else ""
+        yield f"{what}{lengths}."
+    yield (
+        "Fold every tongue to and fro: the values of one that folds cleanly and does not tear are "
+        "those of the material."
+        if any(style.kind in _TRIED for style in styles.values())
+        else "Set cut and skip of the machine's software, fold the tongues, and cut again."
+    )
+    yield (
+        "Push the tab into the slots from the left: the number at the first that holds it tightly "
+        "is the kerf in mm."
+    )
+
+
+def _words(texts: Sequence[str], width: float) -> _Block:
+    """Texts in lines of up to a width, each text in a line of its own at least."""
+    lines: list[str] = []
+    for text in texts:
+        line = ""
+        for word in text.split():
+            longer = f"{line} {word}".strip()
+            if line and text_width(longer) * _LETTER_MM > width:
+                lines.append(line)
+                longer = word
+            line = longer
+        lines.append(line)
+    y = _PITCH * _LETTER_MM * (len(lines) - 1)
+    chains: list[FloatArray] = []
+    for number, line in enumerate(lines):
+        # all lines stand on their base, whatever letters reach below it
+        strokes = [stroke * _LETTER_MM for stroke in letter_strokes(line)]
+        base = np.array([0.0, y - number * _PITCH * _LETTER_MM])
+        chains += [stroke + base for stroke in strokes]
+    size = (max(text_width(line) for line in lines) * _LETTER_MM, y + _LETTER_MM)
+    return _Block((Layer(Operation.ENGRAVE, chains=tuple(chains)),), size)
 
 
 def _text(text: str, height_mm: float, middle: float) -> Layer:
@@ -181,9 +232,10 @@ def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
             slits.append([[x, low], [x, low + length]])
         words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
     tab = _tab_outline() + np.array([_SLOTS * pitch + _SPACE_MM, 1.0])
-    cut = Layer(Operation.CUT, np.array(slits).reshape(-1, 2, 2), (*slots, tab))
+    cut = Layer(Operation.CUT, np.array(slits, np.float64).reshape(-1, 2, 2), (tab,))
+    holes = Layer(Operation.HOLE, outlines=tuple(slots))
     size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))
-    return _Block((*words, cut), size)
+    return _Block((*words, *([holes] if slots else []), cut), size)
 
 
 def _tab_outline() -> FloatArray:

@@ -15,6 +15,7 @@ from fab.drawings.layer_colours import Colour, Colours
 from fab.sheets.coupon import coupon
 from fab.sheets.crease_styles import DotStyle
 from fab.sheets.materials import load_machine, load_material
+from fab.sheets.stroke_letters import letter_strokes
 from solver.errors import InvalidValue
 
 CASES = [(k, m) for k in known_of("cutter") for m in known_of("sheet")]
@@ -23,6 +24,7 @@ CASES = [(k, m) for k in known_of("cutter") for m in known_of("sheet")]
 def lines(layer):
     rings = [np.concatenate([outline, outline[:1]]) for outline in layer.outlines]
     sides = [np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings]
+    sides += [np.stack([chain[:-1], chain[1:]], axis=1) for chain in layer.chains]
     return np.concatenate([layer.segments, *sides])
 
 
@@ -73,8 +75,9 @@ def test_creases_keep_their_margin_from_the_cuts_around_the_tongue():
 
 def test_the_tab_fits_the_slot_that_is_labelled_with_the_kerf():
     machine, material = load_machine("co2_60w_600x400"), load_material("plywood_3mm")
-    cut = next(la for la in coupon(machine, material).layers if la.operation is Operation.CUT)
-    slots = [outline for outline in cut.outlines if len(outline) == 4][:9]
+    by = {layer.operation: layer for layer in coupon(machine, material).layers}
+    cut, slots = by[Operation.CUT], by[Operation.HOLE].outlines
+    assert len(slots) == 9
     (tab,) = [outline for outline in cut.outlines if len(outline) == 8]
     width = np.ptp(tab[tab[:, 1] == tab[:, 1].max(), 0])
     lengths = np.array([np.ptp(slot[:, 1]) for slot in slots])
@@ -137,3 +140,25 @@ def test_colours_are_those_of_the_machine():
     assert b"AC1009" in files["card.dxf"]
     assert ezdxf.read(StringIO(files["card.dxf"].decode())).layers.get("ENGRAVE").color == 42
     assert list(files) == ["card.dxf", "card.svg", "card.pdf"]
+
+
+def test_the_card_says_what_it_is_and_tongues_are_one_cut_each():
+    machine, material = load_machine("co2_60w_600x400"), load_material("card_300gsm")
+    card = coupon(machine, material, ("card_300gsm", "co2_60w_600x400"))
+    by = {layer.operation: layer for layer in card.layers}
+    first = letter_strokes("card_300gsm on co2_60w_600x400.")
+    drawn = [chain - chain[0] for chain in by[Operation.ENGRAVE].chains]
+    size = 2.5
+    wanted = [size * (stroke - stroke[0]) for stroke in first]
+    starts = range(len(drawn) - len(wanted))
+    assert any(
+        all(
+            len(a) == len(b) and np.allclose(a, b)
+            for a, b in zip(drawn[i : i + len(wanted)], wanted, strict=True)
+        )
+        for i in starts
+    )
+    assert [len(chain) for chain in by[Operation.CUT].chains] == [4] * 50
+    letters = shapely.union_all([shapely.LineString(line) for line in by[Operation.ENGRAVE].chains])
+    rest = [lines(layer) for layer in card.layers if layer.operation is not Operation.ENGRAVE]
+    assert letters.distance(shapely.union_all(shapely.linestrings(np.concatenate(rest)))) > 0.2
