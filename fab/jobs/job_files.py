@@ -304,8 +304,7 @@ def _made(
 
 
 def _growth(sheet: Sheet, wanted: Collection[Format]) -> _Part:
-    sheets = sheet.settings.cutter is not None and any(Format(k) in wanted for k in SheetFormat)
-    in_pieces = sheets and not any(kind in wanted for kind in _SOLID)
+    in_pieces = _makes_sheets(sheet, wanted) and not any(kind in wanted for kind in _SOLID)
     overlaps = overlap_findings(sheet.overlaps, in_pieces=in_pieces)
     growth = sheet.growth
     if growth is None:
@@ -390,7 +389,7 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     settings = sheet.settings
     if settings.cutter is None:
         _require_drawn([Format(kind) for kind in kinds] + [Format.ASSEMBLY] * guided)
-    if not kinds and not guided:
+    if not kinds and not _makes_sheets(sheet, wanted):
         return _Part()
     if settings.cutter is not None:
         request = settings.cutter.request(
@@ -434,6 +433,12 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
             drawn |= drawing_files(paths, settings.name, [kind], style)
     note = Finding("no-kerf", Severity.NOTE, f"{_NO_KERF}. {_NO_KERF_CURE}")
     return _Part(drawn, [*findings, note], paths={"As it is cut": paths})
+
+
+def _makes_sheets(sheet: Sheet, wanted: Collection[Format]) -> bool:
+    """Whether sheets are made for the job's cutter: for their files, their guide or the page."""
+    kinds = {*(Format(kind) for kind in SheetFormat), Format.ASSEMBLY, Format.HTML}
+    return sheet.settings.cutter is not None and any(kind in wanted for kind in kinds)
 
 
 def _require_drawn(kinds: Sequence[Format]) -> None:

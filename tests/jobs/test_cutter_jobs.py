@@ -68,8 +68,9 @@ def test_gcode_is_made_for_a_machine_of_ones_own_beside_the_job(tmp_path):
     assert {"m_1.gcode", "m_1_frame.gcode"} <= set(made.files)
 
 
-def test_the_page_of_a_job_shows_its_sheets():
-    page = make(parse_job({**JOB, "cutter": STOCK}), ["svg", "html"]).files["m.html"].decode()
+@pytest.mark.parametrize("kinds", [["svg", "html"], ["html"]])
+def test_the_page_of_a_job_shows_its_sheets(kinds):
+    page = make(parse_job({**JOB, "cutter": STOCK}), kinds).files["m.html"].decode()
     for text in ("m_1", "m_2", "Cutting", "Assembly order", "pierces"):
         assert text in page
     assert "As it is cut" not in page

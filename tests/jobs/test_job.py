@@ -51,8 +51,11 @@ def test_every_template_is_exact_and_without_errors(name):
     coverage = report["growth"]["coverage"]
     assert (coverage is None) == (report["job"]["design"]["kind"] != "surface_fit")
     assert coverage is None or coverage > 0.99
-    wanted = load_job(TEMPLATES / f"{name}.toml").outputs
-    names = [*(f"{name}.{f}" for f in wanted), f"{name}_report.json"]
+    job = load_job(TEMPLATES / f"{name}.toml")
+    wanted = job.outputs
+    drawn = {"dxf", "svg", "pdf"} & set(wanted) if job.cutter is not None else set()
+    names = [*(f"{name}.{f}" for f in wanted if f not in drawn), f"{name}_report.json"]
+    names += [f"{name}_{n + 1}.{f}" for n in range(len(report.get("sheets", []))) for f in drawn]
     if {"step", "png"} <= set(wanted):
         names.append(f"{name}_thick.png")
     assert sorted(made.files) == sorted(names)
@@ -67,6 +70,7 @@ def test_every_template_is_exact_and_without_errors(name):
     [
         ("curved_fold", 1000, (940, 950, 220), (380.0, 194.717699), 2890),
         ("miura", 80, (76, 66, 36), (200.0, 196.299091), 222),
+        ("miura_sheets", 160, (155, 139, 52), (700.0, 503.125), None),
         ("rigid_miura", 192, (170, 186, 56), (300.0, 266.786048), 548),
         ("cornered_miura", 97, (88, 84, 45), (350.0, 288.675135), 269),
         ("strip_by_strip", 60, (55, 49, 32), (180.669632, 108.768505), 164),
@@ -132,6 +136,16 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
         assert report["solids"] is None
     else:
         assert report["solids"]["panels"] + report["solids"]["hinges"] == solids
+
+
+def test_the_sheets_of_the_template_with_a_cutter():
+    made = made_template("miura_sheets")
+    report = made.report
+    assert [len(report[key]) for key in ("sheets", "pieces", "glue_up")] == [2, 2, 10]
+    assert {finding.code for finding in made.findings} == {"sheet-split"}
+    assert sum(sheet["minutes"] for sheet in report["sheets"]) == pytest.approx(12.3, abs=0.3)
+    for sheet in report["sheets"]:
+        assert set(sheet["files"]) <= set(made.files)
 
 
 def test_the_pair_of_one_target_differs_by_its_zigzag_alone():
