@@ -39,7 +39,8 @@ class SolidFigures:
     ----------
     panels : number of them; hinges : creases at which two of them hold together, by any hinge.
     bodies : number of pieces after joining.
-    volume_mm3, flexible_mm3 : of all solids together, and of those that bend.
+    volume_mm3, flexible_mm3, laid_mm3 : of all solids together, of those that bend, and of those
+        that are laid into the print.
     """
 
     panels: int
@@ -47,6 +48,7 @@ class SolidFigures:
     bodies: int
     volume_mm3: float
     flexible_mm3: float
+    laid_mm3: float
 
 
 def inspect_solids(
@@ -75,6 +77,7 @@ def inspect_solids(
         parts,
         float(volumes.sum()),
         float(volumes[sheet.flexible].sum()),
+        float(volumes[sheet.laid].sum()),
     )
     return figures, findings
 
@@ -114,7 +117,7 @@ def inspect_joined(sheet: ThickSheet, joined: TriangleMesh) -> list[Finding]:
     from manifold3d import Error
 
     whole = manifold_of(joined)
-    total = float(sheet.bodies.volumes_mm3().sum())
+    total = float(sheet.bodies.volumes_mm3()[~sheet.laid].sum())
     if whole.status() == Error.NoError and abs(whole.volume() - total) <= _JOINED_REL * total:
         return []
     fault, place = _fault(sheet, joined, whole)
@@ -150,7 +153,8 @@ def _fault(sheet: ThickSheet, joined: TriangleMesh, whole: Manifold) -> tuple[st
         place = joined.vertices_coords[sides[~matched][0]].mean(axis=0) + lift
         return f"it is open at {counted(int((~matched).sum()), 'edge')}", place
     moved = whole.translate(tuple(lift))
-    bodies = Manifold.batch_boolean(manifolds(sheet.bodies), OpType.Add)
+    printed = sheet.bodies.chosen(np.flatnonzero(~sheet.laid))
+    bodies = Manifold.batch_boolean(manifolds(printed), OpType.Add)
     kinds = {"is missing": bodies - moved, "is too much": moved - bodies}
     what, amiss = max(kinds.items(), key=lambda item: item[1].volume())
     if amiss.volume() <= _JOINED_REL * bodies.volume():

@@ -27,6 +27,7 @@ from fab.panels.fold_limit import panels_within_reach
 from fab.panels.thick_sheet import ThickSheet, thicken
 from fab.pattern.crease_pattern import CreasePattern
 from fab.printing.bed_place import UNMOVED, place_on_bed
+from fab.printing.pauses import Pause, film_pause, inspect_pause
 from fab.printing.plates import Plates, make_plates
 from fab.printing.print_objects import PrintObject, body_parts, sheet_parts
 from fab.printing.printability import inspect_print, inspect_webs, print_figures
@@ -201,6 +202,7 @@ def _checked(
     _require_resolved(sheet)
     limit_deg = sheet.panel.fold_limit_deg
     printer = print_with.printer
+    pause: Pause | None = None
     with clock.stage("join"):
         joined = joined_mesh(sheet.joining)
     with clock.stage("inspect"):
@@ -217,6 +219,8 @@ def _checked(
             findings = [finding for finding in findings if finding.code != "panels-loose"]
         if printer is not None:
             findings += inspect_print(sheet, joined, printer, print_with.material_count)
+            pause = film_pause(sheet, printer.layer_mm)
+            findings += [] if pause is None else inspect_pause(sheet, pause)
         if print_with.hinges is not None:
             findings += inspect_webs(sheet, print_with.hinges, limit_deg)
         prints = print_figures(measured.solids, joined, print_with.panels, print_with.hinges)
@@ -225,6 +229,7 @@ def _checked(
         **dataclasses.asdict(measured.solids),
         **dataclasses.asdict(prints),
         **dataclasses.asdict(measured.clearance),
+        "pause": None if pause is None else dataclasses.asdict(pause),
     }
     reached = len(measured.clearance.states)  # as far as the panels are made for
     return _Checked(sheet, joined, figures, tuple(states), max(1, reached)), findings
@@ -267,7 +272,10 @@ def _files(
             prints = {".3mf": [_whole_object(checked.sheet, name, print_with)]}
         else:
             prints = _plate_objects(plates, print_with)
-        return {end: threemf_bytes(each, name, print_with.slicer) for end, each in prints.items()}
+        slicer, printer = print_with.slicer, print_with.printer
+        pause = None if printer is None else film_pause(checked.sheet, printer.layer_mm)
+        pauses = () if pause is None else (pause.next_mm,)
+        return {end: threemf_bytes(each, name, slicer, pauses) for end, each in prints.items()}
 
     def picture() -> dict[str, bytes]:
         from fab.viewing.scene_builders import thick_scene

@@ -1,8 +1,8 @@
 """Kinds of hinges, their settings, and the setbacks and heights that they need of panels.
 
 A `web` is a thin strip across the gap (`fab.panels.webs`); a `knuckle` is barrels of both panels
-around a pin, printed in place (`fab.panels.knuckles`); a `film` is below all panels
-(`fab.panels.film`); `none` leaves panels apart.
+around a pin, printed in place (`fab.panels.knuckles`); a `film` is below all panels, or embedded
+in their middle (`fab.panels.film`); `none` leaves panels apart.
 """
 
 from __future__ import annotations
@@ -90,6 +90,11 @@ class HingeSettings(Settings):
     film_mm: float = Field(
         default=0.2, ge=0.01, le=1000, description="thickness of the film or fabric"
     )
+    embedded: bool = Field(
+        default=False,
+        description="a film or fabric is laid into the middle of all panels while their print "
+        "pauses, in place of being printed below them",
+    )
     hole_mm: float = Field(
         default=0.0,
         ge=0,
@@ -119,6 +124,8 @@ def heights_over_axes_mm(panel: PanelSettings, hinge: HingeSettings) -> tuple[fl
     >>> heights_over_axes_mm(PanelSettings(thickness_mm=2.0, axis="middle"), HingeSettings())
     (-1.0, 1.0)
     """
+    if hinge.embedded:
+        return -panel.thickness_mm / 2, panel.thickness_mm / 2
     if "film" in hinge.kinds:
         return hinge.film_mm / 2, hinge.film_mm / 2 + panel.thickness_mm
     return panel.heights_mm
@@ -147,6 +154,17 @@ def _misfits(panel: PanelSettings, hinge: HingeSettings) -> Iterator[str]:
         yield (
             f"hinges.kind = film with other hinges ({', '.join(sorted(kinds - {'film'}))}) on some "
             "creases: a film lies under all of them. Give film to all or to none"
+        )
+    if hinge.embedded and kinds != {"film"}:
+        yield (
+            f"hinges.embedded = true with hinges of {', '.join(sorted(kinds))}: films alone are "
+            "embedded. Set hinges.kind = film for all creases, or leave embedded out"
+        )
+    if hinge.embedded and hinge.film_mm >= thickness / 2:
+        yield (
+            f"hinges.film_mm = {hinge.film_mm:g} must be below half of panels.thickness_mm = "
+            f"{thickness:g} to be embedded: panels are printed on both sides of it. Raise the "
+            "thickness"
         )
     if "film" in kinds and panel.axis != "bottom":
         yield (
@@ -193,6 +211,8 @@ def least_thickness_mm(panel: PanelSettings, hinge: HingeSettings) -> float:
     least = max(LEAST_THICKNESS_MM, panel.axis_mm or 0.0)
     if "web" in hinge.kinds:
         least = max(least, hinge.web_mm + _LEAST_STEP_MM)
+    if hinge.embedded:
+        least = max(least, 2 * hinge.film_mm + _LEAST_STEP_MM)
     if "knuckle" in hinge.kinds:
         exact = panel.thickness_mm if panel.axis == "offset" else 0.0
         least = max(least, exact, _knuckle_thickness_mm(hinge))

@@ -46,7 +46,8 @@ class ThickSheet:
     knuckles : where barrels of two panels turn about a pin.
     held : shape (k,), the edges at which a hinge of any kind holds two panels together.
     joining : bodies that, joined with one another, make the printed surface: as `bodies`, but
-        webs reach into their panels. Panels stand on a film without a gap.
+        webs reach into their panels. Panels stand on a film without a gap. What is laid into the
+        print is not among them.
     """
 
     pattern: CreasePattern
@@ -61,6 +62,11 @@ class ThickSheet:
     knuckles: Knuckles
     held: IntArray
     joining: Bodies
+
+    @property
+    def laid(self) -> BoolArray:
+        """Which bodies are laid into the print and not printed, shape (n,): embedded films."""
+        return self.flexible & (self.creases < 0) & self.hinge.embedded
 
     @property
     def rigid(self) -> IntArray:
@@ -149,7 +155,7 @@ def thicken(
         creases=np.concatenate([rigid.creases, webs.creases, np.full(len(film), -1)]),
         flexible=np.concatenate([rigid.flexible, np.ones(bending, bool)]),
         held=np.sort(np.concatenate(held)),
-        joining=concatenated([rigid.bodies, webs.reaching, film]),
+        joining=concatenated([rigid.bodies, webs.reaching, *([] if hinge.embedded else [film])]),
     )
     spread = min(panel.first_layer_mm or 0.0, panel.thickness_mm / 4)
     if spread > 0:

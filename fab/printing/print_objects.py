@@ -44,9 +44,17 @@ def sheet_parts(
 ) -> list[Part]:
     """The rigid bodies of a sheet for the first extruder, and the flexible ones for the second.
 
-    Bodies of both touch each other and do not overlap. They stand on z = 0.
+    Bodies of both touch each other and do not overlap. They stand on z = 0. What is laid into the
+    print is left out.
     """
-    return body_parts(sheet.bodies, sheet.flexible, sheet.creases, panel_material, hinge_material)
+    rows = np.flatnonzero(~sheet.laid)
+    return body_parts(
+        sheet.bodies.chosen(rows),
+        sheet.flexible[rows],
+        sheet.creases[rows],
+        panel_material,
+        hinge_material,
+    )
 
 
 def body_parts(

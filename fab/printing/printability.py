@@ -37,7 +37,7 @@ class PrintFigures:
 
     Attributes
     ----------
-    mass_g : of all solids in their print materials; None where one of them is unknown.
+    mass_g : of all printed solids in their materials; None where one of these is unknown.
     hinge_mass_g : of what bends alone.
     bed_area_mm2 : of the sides that lie on the printer's bed.
     """
@@ -61,7 +61,7 @@ def print_figures(
         return None if material is None else volume_mm3 * material.density_kg_m3 * 1e-6
 
     rigid = mass_g(solids.volume_mm3 - solids.flexible_mm3, panels)
-    soft = mass_g(solids.flexible_mm3, hinges)
+    soft = mass_g(solids.flexible_mm3 - solids.laid_mm3, hinges)
     whole = None if rigid is None or soft is None else rigid + soft
     return PrintFigures(whole, soft, bed_area_mm2(joined))
 
@@ -300,7 +300,8 @@ def _bridges(sheet: ThickSheet, printer: Printer) -> list[Finding]:
 
 
 def _materials(sheet: ThickSheet, printer: Printer, material_count: int) -> list[Finding]:
-    if not sheet.flexible.any() or sheet.flexible.all():
+    printed = sheet.flexible[~sheet.laid]
+    if not printed.any() or printed.all():
         return []
     if material_count > printer.extruders:
         return [

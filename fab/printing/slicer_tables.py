@@ -11,9 +11,17 @@ from xml.sax.saxutils import quoteattr
 
 from fab.printing.print_objects import Part, PrintObject
 
-__all__ = ["BAMBU_TABLE", "PRUSA_TABLE", "bambu_table", "prusa_table"]
+__all__ = [
+    "BAMBU_TABLE",
+    "PRUSA_PAUSES",
+    "PRUSA_TABLE",
+    "bambu_table",
+    "prusa_pauses",
+    "prusa_table",
+]
 
 PRUSA_TABLE = "Metadata/Slic3r_PE_model.config"
+PRUSA_PAUSES = "Metadata/Prusa_Slicer_custom_gcode_per_print_z.xml"
 BAMBU_TABLE = "Metadata/model_settings.config"
 
 _HEAD = '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -43,6 +51,16 @@ def prusa_table(meshes: Sequence[tuple[int, str, Sequence[Part]]]) -> str:
             lines.append("</volume>")
         lines.append("</object>")
     return "\n".join([*lines, "</config>\n"])
+
+
+def prusa_pauses(before_mm: Sequence[float]) -> str:
+    """PrusaSlicer's table of pauses. before_mm : heights of the layers that they come before."""
+    codes = "".join(
+        f'<code print_z="{z:g}" type="1" extruder="1" color="" extra="" gcode="M601"/>\n'
+        for z in before_mm
+    )
+    mode = '<mode value="SingleExtruder"/>'
+    return f"{_HEAD}<custom_gcodes_per_print_z>\n{codes}{mode}\n</custom_gcodes_per_print_z>\n"
 
 
 def bambu_table(objects: Sequence[tuple[int, PrintObject, Sequence[int]]]) -> str:

@@ -24,7 +24,14 @@ from fab.panels.body_colours import Rgb
 from fab.printing.bed_place import BedPlace
 from fab.printing.print_objects import Part, PrintObject
 from fab.printing.printers import Slicer
-from fab.printing.slicer_tables import BAMBU_TABLE, PRUSA_TABLE, bambu_table, prusa_table
+from fab.printing.slicer_tables import (
+    BAMBU_TABLE,
+    PRUSA_PAUSES,
+    PRUSA_TABLE,
+    bambu_table,
+    prusa_pauses,
+    prusa_table,
+)
 from solver.errors import InvalidState
 from solver.vectors import IntArray
 
@@ -39,8 +46,10 @@ _TYPES = (
     'ContentType="application/vnd.openxmlformats-package.relationships+xml"/>'
     '<Default Extension="model" '
     'ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>'
-    '<Default Extension="config" ContentType="text/xml"/></Types>\n'
+    '<Default Extension="config" ContentType="text/xml"/>{}</Types>\n'
 )
+# Of the table of pauses.
+_XML = '<Default Extension="xml" ContentType="text/xml"/>'
 _RELATIONS = (
     f'{_HEAD}<Relationships xmlns="{_OPC}/relationships">'
     '<Relationship Id="rel0" Target="/3D/3dmodel.model" '
@@ -58,8 +67,15 @@ _FIRST = 2
 _Materials: TypeAlias = Mapping[tuple[str, Rgb], int]
 
 
-def threemf_bytes(objects: Sequence[PrintObject], name: str, slicer: Slicer = "prusa") -> bytes:
+def threemf_bytes(
+    objects: Sequence[PrintObject],
+    name: str,
+    slicer: Slicer = "prusa",
+    pauses_mm: Sequence[float] = (),
+) -> bytes:
     """3MF package in millimetres; no dates, so the same objects give the same bytes.
+
+    pauses_mm : heights of the layers before which the print pauses, for PrusaSlicer.
 
     Coordinates are rounded to 1e-6 mm; vertices keep their own places, so surfaces stay closed.
 
@@ -71,10 +87,12 @@ def threemf_bytes(objects: Sequence[PrintObject], name: str, slicer: Slicer = "p
     materials = {material: number for number, material in enumerate(dict.fromkeys(every))}
     lay_out = _volumes if slicer == "prusa" else _components
     model, built, tables = lay_out(objects, materials)
+    if pauses_mm:
+        tables[PRUSA_PAUSES] = prusa_pauses(pauses_mm)
     text = "".join([_opening(name, _APPLICATIONS[slicer], materials), *model, _build(built)])
     return zip_bytes(
         {
-            "[Content_Types].xml": _TYPES.encode(),
+            "[Content_Types].xml": _TYPES.format(_XML if pauses_mm else "").encode(),
             "_rels/.rels": _RELATIONS.encode(),
             "3D/3dmodel.model": text.encode(),
             **{path: table.encode() for path, table in tables.items()},
