@@ -6,7 +6,6 @@ start stays uncut there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.geometry.rings import is_hole
-from solver.vectors import FloatArray, unit
+from solver.vectors import FloatArray, IntArray, unit
 
 __all__ = ["led_in"]
 
@@ -23,8 +22,10 @@ __all__ = ["led_in"]
 _THROUGH = (Operation.RELIEF, Operation.HOLE, Operation.CUT)
 # Shares of the length at which a lead-in is tried, the whole of it first.
 _SHARES = (1.0, 0.5, 0.25)
-# Corners of an outline at which one is tried.
-_MOST_TRIED = 100
+# Corners of an outline at which one is tried, evenly spread.
+_MOST_TRIED = 24
+# Shorter sums of two unit vectors have no direction of their own.
+_STRAIGHT = 1e-3
 # Lead-ins touch no other line to within this, mm, where they are not at the start of their own.
 _CLEAR_MM = 1e-3
 
@@ -108,6 +109,7 @@ class _Room:
         lines = [shapely.LinearRing(ring) for ring in rings]
         lines += [shapely.LineString(line) for line in open_lines]
         figures = np.array([shapely.Polygon(ring) for ring in rings], dtype=object)
+        shapely.prepare(figures)
         width, depth = paths.size_mm
         sheet = shapely.box(margin_mm, margin_mm, width - margin_mm, depth - margin_mm)
         piece = np.array([is_hole(ring) == turned_over for ring in rings], dtype=bool)
@@ -117,33 +119,34 @@ class _Room:
         """The corner at which a ring begins, and where its lead-in begins, shape (1 or 0, 2)."""
         if not length_mm:
             return 0, ring[:0]
+        corners, directions = _directions(ring)
+        figure, starts = self.figures[number], ring[corners]
         for share in _SHARES:
-            for corner in range(min(len(ring), _MOST_TRIED)):
-                for direction in _directions(ring, corner):
-                    begin = ring[corner] + share * length_mm * direction
-                    if self._free(number, ring[corner], begin):
-                        return corner, begin[None]
+            begins = starts + share * length_mm * directions
+            waste = shapely.contains_xy(figure, begins[:, 0], begins[:, 1]) != self.piece[number]
+            for i in np.flatnonzero(waste).tolist():
+                if self._clear(starts[i], begins[i]):
+                    return int(corners[i]), begins[i][None]
         return 0, ring[:0]
 
-    def _free(self, number: int, start: FloatArray, begin: FloatArray) -> bool:
-        """Whether a lead-in from `begin` to `start` is in the waste, and crosses nothing."""
+    def _clear(self, start: FloatArray, begin: FloatArray) -> bool:
+        """Whether a lead-in from `begin` to `start` stays on the sheet and crosses nothing."""
         span = begin - start
-        short = start + span * min(1.0, _CLEAR_MM / float(np.hypot(*span)))
-        lead = shapely.LineString([begin, start + 2 * (short - start)])
-        if not self.sheet.covers(lead) or len(self.tree.query(lead, "dwithin", _CLEAR_MM)):
-            return False
-        within = bool(shapely.contains_xy(self.figures[number], *begin))
-        return within != bool(self.piece[number])
+        free = 2 * _CLEAR_MM / max(float(np.hypot(*span)), 2 * _CLEAR_MM)
+        lead = shapely.LineString([begin, start + free * span])
+        return self.sheet.covers(lead) and not len(self.tree.query(lead, "dwithin", _CLEAR_MM))
 
 
-def _directions(ring: FloatArray, corner: int) -> Iterator[FloatArray]:
-    """Directions from a corner in which a lead-in may begin, the best first."""
-    before, at, after = ring[corner - 1], ring[corner], ring[(corner + 1) % len(ring)]
-    onward = unit(after - at)
-    yield -onward
-    middle = onward + unit(before - at)
-    if np.hypot(*middle) < 1e-3:  # straight on
-        middle = np.array([-onward[1], onward[0]])
-    middle = unit(middle)
-    yield middle
-    yield -middle
+def _directions(ring: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Corners, (n,), and directions from there, (n, 2), in which lead-ins may begin, best first.
+
+    All that are in line with the side that follows come before those that halve the corner.
+    """
+    corners = np.arange(0, len(ring), max(1, len(ring) // _MOST_TRIED))
+    onward = unit(np.roll(ring, -1, axis=0) - ring)[corners]
+    back = unit(np.roll(ring, 1, axis=0) - ring)[corners]
+    aside = np.column_stack([-onward[:, 1], onward[:, 0]])
+    middle = onward + back
+    straight = np.hypot(*middle.T) < _STRAIGHT
+    middle = unit(np.where(straight[:, None], aside, middle))
+    return np.tile(corners, 3), np.concatenate([-onward, middle, -middle])
