@@ -434,8 +434,10 @@ def test_the_printer_part_of_the_readme_does_what_it_says(here):
     Path("out/miura.fold").write_bytes(made_template("miura").files["miura.fold"])
     Path("theirs.fold").write_bytes((PATTERNS / "square_twist.fold").read_bytes())
     results = [run(*words[1:]) for words in lines]
-    assert [result.exit_code for result in results] == [0, 0, 0], results
-    assert "fold-blocked" in results[2].output
+    assert [result.exit_code for result in results] == [0, 0, 0, 0], results
+    assert "Turn each plug" in results[0].output
+    assert "coupon_prusa_mk4s_pp_filament.3mf" in names_in("print")
+    assert "fold-blocked" in results[3].output
     kinds = [f"miura_thick.{kind}" for kind in ("3mf", "html", "png", "step", "stl")]
     assert names_in("solid") == [*kinds, "miura_thick_report.json"]
 
