@@ -76,7 +76,7 @@ def thicken(
     suggest: bool,
     told: Told,
 ) -> None:
-    """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF, PNG and HTML.
+    """Make thick panels and hinges from a crease pattern: STEP, STL, 3MF, PNG, HTML and a guide.
 
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ.
     """

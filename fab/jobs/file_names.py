@@ -42,7 +42,8 @@ SHEETS = Family(
     r"_\d+(_front|_back)?(_frame)?\.(dxf|svg|pdf|lbrn2|plt|gcode)|_(sheets\.html|assembly\.pdf)",
 )
 THICK = Family(
-    "_thick_report.json", r"_thick(_plate_\d+|_bodies)?\.(step|stl|3mf|png|zip|glb|html)"
+    "_thick_report.json",
+    r"_thick((_plate_\d+|_bodies)?\.(step|stl|3mf|png|zip|glb|html)|_assembly\.pdf)",
 )
 FOLDING = Family("_folding.json", r"_folding\.(fold|png|gif|glb|html)")
 ANIMATION = Family("_animation.json", r"_(growth|motion)\.(gif|mp4)")

@@ -80,7 +80,7 @@ class Format(StrEnum):
 
 _SOLID = {Format.STEP, Format.STL, Format.THREEMF, Format.ZIP}
 # Ends of files that are of the thick sheet, or of the sheet itself.
-_ALSO_OF_SHEETS = {".png", ".glb"}
+_ALSO_OF_SHEETS = {".png", ".glb", "_assembly.pdf"}
 _OF_SCENES = {Format.GLB, Format.HTML}
 # Larger sheets take long to be found rigid or not; `check` says so of any.
 _RIGIDITY_FACES = 2000
@@ -388,7 +388,8 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
     guided = Format.ASSEMBLY in wanted
     settings = sheet.settings
     if settings.cutter is None:
-        _require_drawn([Format(kind) for kind in kinds] + [Format.ASSEMBLY] * guided)
+        loose = guided and not _SOLID & set(wanted)
+        _require_drawn([Format(kind) for kind in kinds] + [Format.ASSEMBLY] * loose)
     if not kinds and not _makes_sheets(sheet, wanted):
         return _Part()
     if settings.cutter is not None:
@@ -469,6 +470,7 @@ def _solids(sheet: Sheet, wanted: set[Format], clock: Clock) -> _Part:
         clock,
         print_with,
         upright=sheet.upright,
+        made_by="quadfold run",
     )
     solids: dict[str, Any] | None = None
     if made.figures is not None and made.print_mm is not None:

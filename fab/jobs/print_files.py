@@ -38,6 +38,7 @@ from fab.printing.threemf import threemf_bytes
 from fab.progress import Clock, Progress, silent
 
 if TYPE_CHECKING:
+    from fab.viewing.leaflet import Leaflet
     from fab.viewing.scene import Scene
 
 __all__ = ["ORDINARY", "ThickFiles", "ThickFormat", "make_thick", "thick_files"]
@@ -53,6 +54,7 @@ class ThickFormat(StrEnum):
     ZIP = "zip"
     GLB = "glb"
     HTML = "html"
+    ASSEMBLY = "assembly"
 
 
 # What is made by default: zips of all bodies and GLB are for other programs.
@@ -62,6 +64,7 @@ ORDINARY = (
     ThickFormat.THREEMF,
     ThickFormat.PNG,
     ThickFormat.HTML,
+    ThickFormat.ASSEMBLY,
 )
 
 
@@ -82,6 +85,7 @@ class ThickFiles:
     scene : the sheet and its bodies in all folded states, for models and result pages; None where
         there is no panel, or neither is asked for.
     panels_state : number of the state up to which the panels fold.
+    guide : how the panels are printed, joined and folded, where that was asked for.
     """
 
     data: Mapping[str, bytes]
@@ -91,6 +95,7 @@ class ThickFiles:
     findings: tuple[Finding, ...]
     scene: Scene | None = None
     panels_state: int = 0
+    guide: Leaflet | None = None
 
 
 @dataclass(frozen=True)
@@ -121,11 +126,14 @@ def thick_files(
     print_with: PrintWith,
     *,
     upright: bool = False,
+    made_by: str = "quadfold thicken",
+    guided: bool = False,
 ) -> ThickFiles:
     """The thick sheet of a crease pattern in each of `formats`, checked.
 
     name : what files and pictures call it; settings : `printed` with `print_with`. upright :
-    whether z is up in the folded form of the pattern, and in pictures.
+    whether z is up in the folded form of the pattern, and in pictures. made_by : the command.
+    guided : whether a guide is made though no file of it is asked for.
 
     Raises `InvalidJob` for sheets so large that single precision does not resolve the thickness of
     their panels.
@@ -158,10 +166,30 @@ def thick_files(
     data, found = _files(checked, plates, name, formats, clock, print_with, upright=upright)
     findings += found
     scene: Scene | None = None
-    if {ThickFormat.GLB, ThickFormat.HTML} & set(formats):
+    guide: Leaflet | None = None
+    guided |= ThickFormat.ASSEMBLY in formats
+    if guided or {ThickFormat.GLB, ThickFormat.HTML} & set(formats):
         from fab.viewing.scene_builders import thick_scene
 
         scene = thick_scene(sheet, checked.states, name, findings=findings, upright=upright)
+    if scene is not None and guided:
+        from fab.jobs.panel_guides import panel_guide_of
+
+        with clock.stage("assembly"):
+            guide = panel_guide_of(
+                sheet,
+                plates,
+                scene,
+                checked.checked - 1,
+                name,
+                print_with,
+                checked.figures,
+                made_by=made_by,
+            )
+            if ThickFormat.ASSEMBLY in formats:
+                from fab.viewing.leaflet_pdf import leaflet_pdf_bytes
+
+                data["_assembly.pdf"] = leaflet_pdf_bytes(guide)
     return ThickFiles(
         data,
         None if plates is None else plates.guide(),
@@ -170,6 +198,7 @@ def thick_files(
         tuple(findings),
         scene,
         checked.checked - 1,
+        guide,
     )
 
 
@@ -390,7 +419,8 @@ def make_thick(
     """
     clock = Clock(progress)
     settings = settings.printed(print_with)
-    made = thick_files(pattern, name, settings, formats, clock, print_with)
+    paged = ThickFormat.HTML in formats
+    made = thick_files(pattern, name, settings, formats, clock, print_with, guided=paged)
     printer, panels, hinges = print_with.printer, print_with.panels, print_with.hinges
     files = {f"{name}_thick{end}": data for end, data in made.data.items()}
     every = (*findings, *made.findings)
@@ -419,6 +449,7 @@ def make_thick(
                 with_open_cuts(every, pattern),
                 files,
                 pictures={f"{name}_thick.png": "flat and folded"},
+                assembly=made.guide,
                 panels_state=made.panels_state,
             )
             files[f"{name}_thick.html"] = page_bytes(page)

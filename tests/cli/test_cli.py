@@ -169,6 +169,7 @@ def test_thicken_makes_files_of_any_fold_file(here, axis):
     assert result.exit_code == 0, result.output
     kinds = ["3mf", "html", "png", "step", "stl"]
     names = [f"square_twist_thick.{kind}" for kind in kinds]
+    names.append("square_twist_thick_assembly.pdf")
     assert names_in("out") == sorted([*names, "square_twist_thick_report.json"])
     assert all(name in result.output for name in names)
     assert "9 panels, 12 hinges, 150 x 150 x 1.2 mm" in result.output
@@ -182,7 +183,7 @@ def test_thicken_makes_files_of_any_fold_file(here, axis):
     left = run("thicken", file, *words, "--set", "panels.thickness_mm=200.0", "--out", "out")
     assert left.exit_code == 1
     assert "error: panel-vanishes: 9 faces have no panel" in left.output
-    assert "and 2 more in out are from an earlier run" in left.output
+    assert "and 3 more in out are from an earlier run" in left.output
 
 
 def test_thicken_prints_what_is_larger_than_the_bed_in_parts(here):

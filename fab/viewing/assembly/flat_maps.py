@@ -29,7 +29,7 @@ __all__ = ["FlatMaps", "legend"]
 MOST_LINES = 15_000
 _OUTLINE_MM, _SEAM_MM, _CREASE_MM, _TAB_MM = 0.3, 0.5, 0.22, 0.15
 _SEAM_INK, _TAB_INK, _PALE = "#000000", "#555555", 0.45
-_TAB_DASHES, _LEGEND_MM = (0.6, 0.4), 4.0
+_TAB_DASHES, _LEGEND_MM, _FACE_INK = (0.6, 0.4), 4.0, "#707070"
 # Sizes of the font of numbers and of letters, mm, and of numbers over their distances.
 _NUMBERS, _LETTERS, _SPACING, _LETTER = (1.5, 2.6), (2.0, 11.0), 0.62, 0.9
 # Dashes are this share of creases, within bounds in mm.
@@ -103,7 +103,7 @@ class FlatMaps:
         marks = self._marks(plan, every, every, numbers)
         lines = sum(len(edges) for own in self._own for edges in own.creases.values())
         note = ""
-        if self._crowded(plan):
+        if self._crowded(plan, np.array([j.edges[0] for j in self.model.joints], np.int64)):
             marks = tuple(mark for mark in marks if not _is_number(mark))
             note = " Numbers of seams, which are too near each other here, are in the steps."
         if lines > MOST_LINES:
@@ -111,9 +111,33 @@ class FlatMaps:
         caption = f"Upper side, scale {scale_text(plan.scale)}.{note}"
         return Sketch(plan.size_mm, marks, caption)
 
-    def _crowded(self, plan: Plan) -> bool:
+    def numbered(
+        self, edges: IntArray, faces: IntArray, most_mm: tuple[float, float]
+    ) -> Sketch | None:
+        """The whole pattern with the numbers of some edges and faces; None where they are crowded.
+
+        Faces have theirs in grey, in their middles.
+        """
+        pattern = self.model.pattern
+        coords = pattern.vertices_coords
+        plan = plan_of(coords.min(axis=0), coords.max(axis=0), most_mm, 2.0)
+        if self._crowded(plan, edges):
+            return None
+        every = range(len(self.model.pieces))
+        marks = [*self._marks(plan, every, every, [], lettered=False)]
+        sums = np.add.reduceat(coords[pattern.faces_vertices], pattern.faces_offsets[:-1])
+        middles = plan.on_paper(sums / np.diff(pattern.faces_offsets)[:, None])
+        at = plan.on_paper(coords[pattern.edges_vertices[edges]].mean(axis=1))
+        size = _number_size(np.concatenate([at, middles[faces]]))
+        for face in faces.tolist():
+            x, y = middles[face].tolist()
+            marks.append(Words(str(face), (x, y), 1.1 * size, colour=_FACE_INK))
+        for edge, (x, y) in zip(edges.tolist(), at.tolist(), strict=True):
+            marks.append(Words(str(edge), (x, y), size, bold=True, backing="#ffffff"))
+        return Sketch(plan.size_mm, tuple(marks), f"Upper side, scale {scale_text(plan.scale)}.")
+
+    def _crowded(self, plan: Plan, edges: IntArray) -> bool:
         """Whether most numbers would hide each other."""
-        edges = np.array([joint.edges[0] for joint in self.model.joints], np.int64)
         if len(edges) < 2:
             return False
         pattern = self.model.pattern
@@ -173,7 +197,8 @@ class FlatMaps:
         plan = _filling(low - around, high + around, coords, most_mm)
         labels = [joint.label for joint in joints]
         marks = self._marks(plan, pieces, pieces[-1:], labels, clipped=True)
-        caption = f"{'Seam' if len(labels) == 1 else 'Seams'} {numbers_text(labels)}"
+        noun = self.model.seam.capitalize()
+        caption = f"{noun if len(labels) == 1 else f'{noun}s'} {numbers_text(labels)}"
         return Sketch(plan.size_mm, _within(marks, plan.size_mm), f"{caption}, upper side.")
 
     def _joints(self, labels: Sequence[int]) -> list[Joint]:
@@ -188,6 +213,7 @@ class FlatMaps:
         labels: Sequence[int],
         *,
         clipped: bool = False,
+        lettered: bool = True,
     ) -> tuple[Mark, ...]:
         """Areas, creases, tabs, seams, letters and numbers, in this order."""
         model = self.model
@@ -215,7 +241,8 @@ class FlatMaps:
         seams = np.array([joint.edges for joint in joints], np.int64).ravel()
         lines = plan.on_paper(coords[model.pattern.edges_vertices[seams]])
         marks.append(Lines(lines, _SEAM_INK, _SEAM_MM))
-        marks += self._letters(plan, pieces, clipped=clipped)
+        if lettered:
+            marks += self._letters(plan, pieces, clipped=clipped)
         marks += self._numbers(plan, joints)
         marks += self._points(plan, pieces)
         return tuple(marks)
@@ -295,7 +322,7 @@ def legend(letters: Sequence[str], model: Model, width_mm: float) -> Sketch:
     }
     shown = [(letter, names[letter]) for letter in "MVFJUC" if letter in letters]
     if model.joints:
-        shown.append(("", "seam, with its number"))
+        shown.append(("", f"{model.seam}, with its number"))
     if any(len(piece.tabs) for piece in model.pieces):
         tongues = any(joint.hold is Hold.TONGUE for joint in model.joints)
         shown.append(("t", "tongue" if tongues else "tab"))

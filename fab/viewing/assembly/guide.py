@@ -7,7 +7,7 @@ import numpy as np
 from fab.viewing.assembly.flat_maps import FlatMaps, legend
 from fab.viewing.assembly.form_views import FormViews
 from fab.viewing.assembly.parts import Assembly, Model
-from fab.viewing.assembly.sheet_maps import SheetMaps
+from fab.viewing.assembly.sheet_maps import SheetMaps, map_rows
 from fab.viewing.assembly.steps import fold_text, hold_text, written_steps
 from fab.viewing.leaflet import Block, Facts, Heading, Leaflet, NewPage, Row, Step, Table, Text
 from fab.viewing.scene_builders import laid_flat
@@ -42,11 +42,11 @@ def assembly_guide(assembly: Assembly) -> Leaflet:
             blocks.append(Row((sheets.map(assembly.sheets[0], _SMALL), *forms)))
         else:
             blocks += _forms(views)
-            blocks += [Heading("Sheets"), *_sheet_rows(assembly, sheets)]
+            blocks += [Heading("Sheets"), *map_rows(assembly, sheets)]
         blocks += _model(model, views, assembly)
     else:
         blocks.append(Facts(assembly.facts))
-        blocks += [Heading("Sheets"), *_sheet_rows(assembly, sheets)]
+        blocks += [Heading("Sheets"), *map_rows(assembly, sheets)]
         for model in assembly.models:
             views = _views(model)
             blocks += [NewPage(), Heading(model.name), Facts(model.facts), *_forms(views)]
@@ -92,14 +92,6 @@ def _views(model: Model) -> FormViews | None:
         turn, shift = laid_flat(formed, coords)
         coords = coords @ turn.T + shift
     return FormViews(model, formed, coords)
-
-
-def _sheet_rows(assembly: Assembly, maps: SheetMaps) -> list[Block]:
-    count = len(assembly.sheets)
-    across = 2 if count <= 4 else 3 if count <= 12 else 4
-    most = (_WIDE / across - 3.0, 70.0 if across == 2 else 50.0)
-    drawn = [maps.map(sheet, most) for sheet in assembly.sheets]
-    return [Row(tuple(drawn[k : k + across])) for k in range(0, count, across)]
 
 
 def _steps(

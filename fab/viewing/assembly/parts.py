@@ -43,6 +43,8 @@ class Hold(Enum):
     TONGUE = "a tongue of one side, in a slot of the other"
     STITCHES = "thread"
     TAPE = "tape"
+    DOVETAIL = "tongues in pockets"
+    PIN = "pins"
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,7 @@ class Model:
     copies : how many are made.
     first, total : pieces of models before it, and of all, whose colours all differ.
     motion : of its faces.
+    seam : what a joint is called.
     """
 
     name: str
@@ -124,6 +127,7 @@ class Model:
     first: int
     total: int
     motion: Motion = Motion.UNKNOWN
+    seam: str = "seam"
 
     @cached_property
     def faces_piece(self) -> IntArray:
@@ -146,7 +150,7 @@ class Model:
 
 @dataclass(frozen=True)
 class CutSheet:
-    """A sheet of the stock, or several alike.
+    """A sheet of the stock, or several alike; or a plate of a printer.
 
     Attributes
     ----------
@@ -154,13 +158,15 @@ class CutSheet:
     size_mm : of the stock.
     pieces : of each piece on it the number among the pieces of all models, and its turn (2, 2) and
         shift (2,), as in nesting.
-    minutes : of cutting one of them.
+    minutes : of cutting one of them, where that is known.
+    noun : what it is called.
     """
 
     numbers: tuple[int, ...]
     size_mm: tuple[float, float]
     pieces: tuple[tuple[int, FloatArray, FloatArray], ...]
-    minutes: float
+    minutes: float | None
+    noun: str = "sheet"
 
 
 @dataclass(frozen=True)

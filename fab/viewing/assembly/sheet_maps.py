@@ -8,13 +8,16 @@ import shapely
 from fab.errors import counted
 from fab.viewing.assembly.parts import Assembly, CutSheet
 from fab.viewing.assembly.piece_colours import hex_colour, piece_colours
+from fab.viewing.leaflet import Block, Row
 from fab.viewing.sketch import Area, Mark, Sketch, Words, plan_of, scale_text
 from solver.vectors import FloatArray
 
-__all__ = ["SheetMaps"]
+__all__ = ["SheetMaps", "map_rows"]
 
 _LETTERS = (1.6, 6.0)
 _SIMPLE_MM = 0.05
+# Width of pages, mm.
+_WIDE = 184.0
 
 
 class SheetMaps:
@@ -53,21 +56,30 @@ class SheetMaps:
         return Sketch(plan.size_mm, (*marks, *letters), caption)
 
 
+def map_rows(assembly: Assembly, maps: SheetMaps) -> list[Block]:
+    """Maps of all sheets, side by side, smaller where there are many."""
+    count = len(assembly.sheets)
+    across = 2 if count <= 4 else 3 if count <= 12 else 4
+    most = (_WIDE / across - 3.0, 70.0 if across == 2 else 50.0)
+    drawn = [maps.map(sheet, most) for sheet in assembly.sheets]
+    return [Row(tuple(drawn[k : k + across])) for k in range(0, count, across)]
+
+
 def _caption(sheet: CutSheet, scale: float) -> str:
-    """Such as "Sheets 2 to 5: 600 x 400 mm, 3 pieces, about 4.2 min each. 1 : 8"."""
+    """Such as "Sheets 2 to 5: 600 x 400 mm, 3 pieces, about 4.2 min each. Scale 1 : 8."."""
+    noun = sheet.noun.capitalize()
     first, last = sheet.numbers[0], sheet.numbers[-1]
     each = ""
     if first == last:
-        name = f"Sheet {first}"
+        name = f"{noun} {first}"
     elif len(sheet.numbers) == last - first + 1:
-        name, each = f"Sheets {first} to {last}", " each"
+        name, each = f"{noun}s {first} to {last}", " each"
     else:
-        name, each = f"Sheets {', '.join(map(str, sheet.numbers))}", " each"
+        name, each = f"{noun}s {', '.join(map(str, sheet.numbers))}", " each"
     width, depth = sheet.size_mm
-    return (
-        f"{name}: {width:g} x {depth:g} mm, {counted(len(sheet.pieces), 'piece')}, about "
-        f"{sheet.minutes:.1f} min{each}. Scale {scale_text(scale)}."
-    )
+    pieces = counted(len(sheet.pieces), "piece" if sheet.noun == "sheet" else "part")
+    time = "" if sheet.minutes is None else f", about {sheet.minutes:.1f} min{each}"
+    return f"{name}: {width:g} x {depth:g} mm, {pieces}{time}. Scale {scale_text(scale)}."
 
 
 def _place(rings: tuple[FloatArray, ...]) -> tuple[FloatArray, float]:
