@@ -65,6 +65,9 @@ def run_batches(
     pool: Pool,
     keep: Callable[[Rows], None],
     progress: Steps = no_steps,
+    *,
+    most: int = _MOST,
+    ahead: int = _AHEAD,
 ) -> None:
     """Run all variations, and keep the rows of each batch as it is done.
 
@@ -74,6 +77,7 @@ def run_batches(
     whole : how many variations there are.
     keep : is called with the rows of a batch, in this process.
     progress : called with the variations that are done.
+    most : variations in a batch. ahead : batches for each worker, at work or waiting.
 
     What an executor cannot do (a cluster that is gone) is raised as it comes.
     """
@@ -97,8 +101,8 @@ def run_batches(
         with pool.executor() as executor:
             flying: dict[Future[Rows], Batch] = {}
             while True:
-                while not exhausted and len(flying) < _AHEAD * pool.workers:
-                    batch = batch_of(sizes.next_size())
+                while not exhausted and len(flying) < ahead * pool.workers:
+                    batch = batch_of(min(most, sizes.next_size()))
                     if batch is None:
                         exhausted = True
                         break

@@ -109,6 +109,15 @@ class Parts:
                 self.damaged.append(path)
         return done
 
+    def rows(self, columns: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """Some columns of all rows, by the hash of their job."""
+        out: dict[str, dict[str, Any]] = {}
+        wanted = list(dict.fromkeys(["job_hash", *columns]))
+        for path in self.readable():
+            for row in pq.read_table(path, columns=wanted).to_pylist():
+                out[row["job_hash"]] = row
+        return out
+
     def paths(self) -> list[Path]:
         """The files of all parts, sorted."""
         return sorted(self.folder.glob("*.parquet"))

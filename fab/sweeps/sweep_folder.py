@@ -10,22 +10,23 @@ results.parquet, .csv the whole table
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from fab import __version__
 from fab.errors import InvalidJob
+from fab.sweeps.axes import Axis
 from fab.sweeps.parts import Parts, axis_fields, write_table
 from fab.sweeps.sweep_settings import Sweep
-from fab.sweeps.variations import Variation, Variations, hash_of
+from fab.sweeps.variations import Variation, hash_of
 
-__all__ = ["Plan", "SweepFolder", "locked"]
+__all__ = ["Listed", "Plan", "SweepFolder", "Varied", "locked"]
 
 _RESULTS = ("results.parquet", "results.csv")
 
@@ -53,6 +54,28 @@ def locked(folder: Path) -> Iterator[None]:
         lock.release()
 
 
+class Varied(Protocol):
+    """Variations along axes, which can be gone through again and again."""
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """The axes."""
+
+    def __iter__(self) -> Iterator[Variation]:
+        """All variations."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Variations that are known one by one."""
+
+    axes: tuple[Axis, ...]
+    variations: tuple[Variation, ...]
+
+    def __iter__(self) -> Iterator[Variation]:
+        return iter(self.variations)
+
+
 @dataclass(frozen=True)
 class Plan:
     """What there is to do: variations, different jobs, and hashes of those without a row.
@@ -73,7 +96,7 @@ class SweepFolder:
 
     path: Path
     sweep: Sweep
-    variations: Variations
+    variations: Varied
 
     @property
     def parts(self) -> Parts:
@@ -85,14 +108,18 @@ class SweepFolder:
         """Where files of variations go; None where none are kept."""
         return self.path / "files" if self.sweep.outputs else None
 
+    def require_parts(self) -> None:
+        """Make the folder of the parts, without what a run that was killed left beside them."""
+        (self.path / "parts").mkdir(parents=True, exist_ok=True)
+        for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
+            stray.unlink(missing_ok=True)
+
     def begin(self) -> Plan:
         """Write the variations, and say what there is to do.
 
         A variation whose job is that of another is run once.
         """
-        (self.path / "parts").mkdir(parents=True, exist_ok=True)
-        for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
-            stray.unlink(missing_ok=True)  # of a run that was killed
+        self.require_parts()
         parts = self.parts
         done = parts.hashes()
         wanted: set[str] = set()
@@ -121,6 +148,20 @@ class SweepFolder:
             if hashed in left:
                 left.discard(hashed)
                 yield variation
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The rows of the table, which has been written."""
+        found: list[dict[str, Any]] = pq.read_table(self.path / _RESULTS[0]).to_pylist()
+        return found
+
+    def write_jobs(self, files: Mapping[str, bytes]) -> None:
+        """Write jobs beside the table; those of an earlier search go."""
+        for old in self.path.glob("best*.toml"):
+            old.unlink()
+        for name, data in files.items():
+            beside = self.path / f".{name}.new"
+            beside.write_bytes(data)
+            beside.replace(self.path / name)
 
     def write_results(self) -> dict[str, int]:
         """Write the whole table, as Parquet and CSV. How many rows have which status."""

@@ -5,17 +5,19 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
 from fab.errors import InvalidJob, counted
-from fab.progress import Progress, silent
+from fab.progress import Progress, Steps, silent
 from fab.sweeps.cluster import ClusterSettings, cluster_pool, lost_batches
 from fab.sweeps.engine import Pool, run_batches
+from fab.sweeps.job_text import job_bytes
 from fab.sweeps.rows import Batch, row_of
-from fab.sweeps.sweep_folder import SweepFolder, locked
+from fab.sweeps.search import Search, best_rows
+from fab.sweeps.sweep_folder import Listed, Plan, SweepFolder, locked
 from fab.sweeps.sweep_settings import Sweep
 from fab.sweeps.variations import Variations, variations_of
 from fab.sweeps.workers import local_pool
@@ -25,6 +27,8 @@ __all__ = ["Estimate", "SweepResult", "estimate", "run_sweep"]
 # Variations that a dry run makes, to say how long the others take.
 _TRIED = 5
 _MINUTE_S = 60
+# Jobs of a Pareto front that are written.
+_MOST_BEST = 100
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,7 @@ class SweepResult:
     others : rows in the folder of jobs that are not in this sweep, or of another version.
     damaged : parts that could not be read, whose jobs were done again.
     statuses : how many variations ended in which way.
+    best : names of the jobs that a search found best, written beside the table.
     """
 
     table: Path
@@ -48,6 +53,7 @@ class SweepResult:
     others: int
     damaged: int
     statuses: dict[str, int]
+    best: tuple[str, ...] = ()
 
     def lines(self) -> Iterator[str]:
         """What a user should know of it, line by line."""
@@ -59,6 +65,10 @@ class SweepResult:
             yield f"{counted(self.damaged, 'damaged part')} left aside, done again"
         ways = ", ".join(f"{count} {status}" for status, count in self.statuses.items())
         yield f"{counted(self.variations, 'variation')}: {ways}"
+        if self.best:
+            yield f"the best: {self.table.parent / self.best[0]}" + (
+                f" and {len(self.best) - 1} more" if len(self.best) > 1 else ""
+            )
         yield f"wrote {self.table} and {self.table.with_suffix('.csv')}"
 
 
@@ -149,28 +159,61 @@ def run_sweep(
         pool = Pool(partial(cluster_pool, cluster), cluster.workers, lost_batches())
     with locked(path):
         there = SweepFolder(path, sweep, variations)
-        plan = there.begin()
-        if not plan.variations:
-            raise InvalidJob(f"{source}: no variation meets the constraints.")
-        pending = there.pending(plan.hashes)
+        step = partial(progress, "sweep")
+        result = _searched if sweep.search is not None else _swept
+        return result(there, variations, pool, step, source)
 
-        def batch_of(size: int) -> Batch | None:
-            chosen = tuple(islice(pending, size))
-            return Batch(sweep, chosen, there.files) if chosen else None
 
-        if plan.hashes:
-            run_batches(
-                batch_of, len(plan.hashes), pool, there.parts.add, partial(progress, "sweep")
-            )
-        progress("table", 0, 1)
-        statuses = there.write_results()
-        progress("table", 1, 1)
+def _swept(
+    there: SweepFolder, variations: Variations, pool: Pool, step: Steps, source: str
+) -> SweepResult:
+    """Every variation, run where it has no row yet."""
+    del variations
+    plan = there.begin()
+    if not plan.variations:
+        raise InvalidJob(f"{source}: no variation meets the constraints.")
+    pending = there.pending(plan.hashes)
+
+    def batch_of(size: int) -> Batch | None:
+        chosen = tuple(islice(pending, size))
+        return Batch(there.sweep, chosen, there.files) if chosen else None
+
+    if plan.hashes:
+        run_batches(batch_of, len(plan.hashes), pool, there.parts.add, step)
+    return _result(there, plan, plan.jobs - len(plan.hashes), ())
+
+
+def _searched(
+    there: SweepFolder, variations: Variations, pool: Pool, step: Steps, source: str
+) -> SweepResult:
+    """The variations that a search proposes, and a job of each that is best."""
+    del source
+    there.require_parts()
+    search = Search(there.sweep, variations.axes, there.path)
+    before = search.run(there, pool, step)
+    there = replace(there, variations=Listed(variations.axes, tuple(search.variations())))
+    plan = there.begin()
+    made = _result(there, plan, before, ())
+    best = best_rows(there.rows(), search.goals)
+    keys = [axis.key for axis in variations.axes]
+    jobs = {
+        f"best_{place}.toml" if len(best) > 1 else "best.toml": job_bytes(
+            there.sweep.varied({key: row[key] for key in keys})
+        )
+        for place, row in enumerate(best[:_MOST_BEST], 1)
+    }
+    there.write_jobs(jobs)
+    return replace(made, best=tuple(jobs))
+
+
+def _result(there: SweepFolder, plan: Plan, begun_with: int, best: tuple[str, ...]) -> SweepResult:
     return SweepResult(
-        path / "results.parquet",
+        there.path / "results.parquet",
         plan.variations,
         plan.jobs,
-        plan.jobs - len(plan.hashes),
+        begun_with,
         plan.others,
         plan.damaged,
-        statuses,
+        there.write_results(),
+        best,
     )

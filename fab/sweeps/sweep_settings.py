@@ -16,6 +16,7 @@ from fab.errors import InvalidJob, did_you_mean
 from fab.jobs.job import Job, parse_job
 from fab.settings import Settings, checked, read_toml
 from fab.sweeps.cluster import ClusterSettings
+from fab.sweeps.search_settings import SearchSettings
 
 __all__ = ["Limits", "Measure", "Sweep", "load_sweep"]
 
@@ -68,6 +69,7 @@ class Sweep(Settings):
     )
     limits: Limits = Limits()
     cluster: ClusterSettings | None = None
+    search: SearchSettings | None = None
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(default=Path())
     _allow_code: bool = PrivateAttr(default=False)

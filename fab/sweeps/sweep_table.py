@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fab.errors import InvalidJob, did_you_mean
+from fab.errors import InvalidJob
+from fab.sweeps.dotted_names import named
 
 __all__ = ["Chosen", "choose", "column_named"]
 
@@ -26,22 +27,8 @@ class Chosen:
 
 
 def column_named(name: str, columns: Sequence[str]) -> str:
-    """The column of a name, whole or without what is before its last dots.
-
-    Raises `InvalidJob` for names that no column has, or several.
-
-    >>> column_named("mass_g", ["solids.mass_g", "crossings"])
-    'solids.mass_g'
-    """
-    if name in columns:
-        return name
-    ending = [column for column in columns if column.endswith(f".{name}")]
-    if len(ending) == 1:
-        return ending[0]
-    if ending:
-        raise InvalidJob(f"{name} is one of {', '.join(ending)}: give one of them in full.")
-    short = [column.rpartition(".")[2] for column in columns]
-    raise InvalidJob(f"{name} is no column of the table.{did_you_mean(name, [*columns, *short])}")
+    """The column of a name. Raises `InvalidJob` for names that no column has, or several."""
+    return named(name, columns, "column of the table")
 
 
 def choose(

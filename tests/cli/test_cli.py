@@ -457,7 +457,7 @@ def test_the_job_of_the_readme_is_a_job():
     from fab.jobs.job_files import make
 
     blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    job, by_hand, dome, goals, grown, sheets, _ = map(tomllib.loads, blocks)
+    job, by_hand, dome, goals, grown, sheets, *_ = map(tomllib.loads, blocks)
     assert parse_job(job).name == "miura"
     assert len(make(parse_job({**job, **sheets}), ["dxf"]).report["sheets"]) == 1
     assert make(parse_job(by_hand), []).report["counts"]["faces"] == 21

@@ -1,18 +1,21 @@
 """The sweep of README is run as it says."""
 
 import re
+import tomllib
 
 from click.testing import CliRunner
 from helpers import ROOT
 
 from fab.cli.group import main
+from fab.sweeps.search import Goals
+from fab.sweeps.search_settings import SearchSettings
 
 
 def test_the_sweep_of_the_readme_does_what_it_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = (ROOT / "README.md").read_text()
     part = text.partition("## Many variations")[2].partition("\n## ")[0]
-    (toml,) = re.findall(r"```toml\n(.*?)```", part, re.DOTALL)
+    toml, search = re.findall(r"```toml\n(.*?)```", part, re.DOTALL)
     small = toml.replace("steps = 5", "steps = 2").replace("[6, 8, 10]", "[6]")
     (tmp_path / "angles.toml").write_text(small)
     (block,) = re.findall(r"```sh\n(.*?)```", part, re.DOTALL)
@@ -20,6 +23,9 @@ def test_the_sweep_of_the_readme_does_what_it_says(tmp_path, monkeypatch):
         words = [word.strip('"') for word in re.findall(r'"[^"]*"|\S+', line.partition("#")[0])]
         result = CliRunner().invoke(main, words[1:])
         assert result.exit_code == 0, result.output
+    table = tomllib.loads(search)["search"]
+    assert SearchSettings(**table).trials == 200
+    assert Goals.of(SearchSettings(**table)).columns == ("sheets.minutes",)
     lines = result.stdout.splitlines()
     assert "simulation.peak_strain" in lines[0]
     assert "solids.clearance_min_mm" in lines[0]
