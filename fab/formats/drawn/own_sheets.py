@@ -17,6 +17,7 @@ from scipy.spatial import KDTree
 from fab.errors import Finding, Severity
 from fab.formats.drawn.dashes import extended, facing, of_rows, rows_of
 from fab.formats.drawn.line_soup import LineSoup
+from fab.formats.drawn.own_cuts import without_bridges, without_slots
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["OPERATIONS", "recovered_sheet"]
@@ -50,6 +51,8 @@ def recovered_sheet(
     Labels and relief holes are left out with a count. Flat creases that are not drawn cannot come
     back.
     """
+    soup, closed, slots = without_slots(soup, operations, closed)
+    soup, closed, bridges = without_bridges(soup, operations, closed)
     layer = np.array(operations, dtype=object)[soup.lines_element]
     ring = np.array(closed, dtype=bool)[soup.lines_element]
     letters = np.array([_LETTERS.get(str(name), "U") for name in layer.tolist()], dtype="U1")
@@ -61,7 +64,13 @@ def recovered_sheet(
     findings = []
     holes = len(np.unique(soup.lines_element[hole]))
     marks = len(np.unique(soup.lines_element[label]))
-    for count, what in ((holes, "relief hole"), (marks, "engraved line of letters")):
+    undone = (
+        (holes, "relief hole"),
+        (marks, "engraved line of letters"),
+        (bridges, "bridge of outlines"),
+        (slots, "closed slot of creases"),
+    )
+    for count, what in undone:
         if count:
             first, _, rest = what.partition(" of ")
             name = first + ("" if count == 1 else "s") + (f" of {rest}" if rest else "")

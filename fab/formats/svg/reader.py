@@ -82,6 +82,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
             off_by = finest
             drawing = drawing_of(path, root, page, off_by, options.colours)
     taken, as_outlines = _chosen(path, drawing)
+    bent = tuple([len(run) > 2 for run in shape.drawn.runs] == [True] for shape in taken)
     coords, element, letters, angles = _lines(path, taken)
     findings = _unit_findings(page, options, px_mm, of_program)
     findings += _left_out_findings(drawing)
@@ -122,7 +123,6 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     if _is_own(root):
         operations = tuple(shape.operation for shape in taken)
         closed = tuple(shape.drawn.closed for shape in taken)
-        bent = tuple([len(run) > 2 for run in shape.drawn.runs] == [True] for shape in taken)
         soup = recovered_sheet(soup, operations, closed, bent)
     else:
         soup = join_dashes(soup)
