@@ -137,7 +137,7 @@ def read_by_prusa(package: Package) -> list[tuple[str, list[ReadPart]]]:
         vertices, triangles = mesh
         entry = table[number]
         parts = []
-        for volume in entry.findall("volume"):
+        for row, volume in enumerate(entry.findall("volume")):
             first, last = int(volume.get("firstid")), int(volume.get("lastid"))
             assert 0 <= first <= last < len(triangles)
             keys = metadata(volume, "volume")
@@ -145,7 +145,9 @@ def read_by_prusa(package: Package) -> list[tuple[str, list[ReadPart]]]:
             rows = triangles[first : last + 1]
             # a volume keeps the vertices between its least and its greatest number
             low, high = rows.min(), rows.max()
-            corners = moved(vertices[low : high + 1], transform)
+            # the first volume takes the place of its object, which is then that of none
+            place_of_volume = transform if row == 0 else np.eye(4)
+            corners = moved(vertices[low : high + 1], place_of_volume)
             parts.append(ReadPart(keys["name"], extruder, corners, rows - low))
         out.append((metadata(entry, "object")["name"], parts))
 

@@ -14,6 +14,7 @@ every slicer:
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 from xml.sax.saxutils import quoteattr
 
@@ -109,8 +110,12 @@ _Laid: TypeAlias = tuple[list[str], list[tuple[int, BedPlace]], dict[str, str]]
 
 
 def _volumes(objects: Sequence[PrintObject], materials: _Materials) -> _Laid:
-    """One mesh for each object: its XML, what is built where, and the tables of slicers."""
-    numbered = list(enumerate(objects, _FIRST))
+    """One mesh for each object: its XML, what is built where, and the tables of slicers.
+
+    Objects are where they lie on the bed: of one that its item moves, PrusaSlicer moves the first
+    volume alone.
+    """
+    numbered = list(enumerate(map(_on_bed, objects), _FIRST))
     model = [
         text
         for number, each in numbered
@@ -118,6 +123,17 @@ def _volumes(objects: Sequence[PrintObject], materials: _Materials) -> _Laid:
     ]
     table = prusa_table([(number, each.name, each.parts) for number, each in numbered])
     return model, [(number, each.place) for number, each in numbered], {PRUSA_TABLE: table}
+
+
+def _on_bed(each: PrintObject) -> PrintObject:
+    """An object whose own coordinates are those of its place."""
+    parts = []
+    for part in each.parts:
+        coords = part.mesh.vertices_coords
+        flat = each.place.moved(coords[:, :2])
+        mesh = replace(part.mesh, vertices_coords=np.column_stack([flat, coords[:, 2]]))
+        parts.append(replace(part, mesh=mesh))
+    return PrintObject(each.name, tuple(parts))
 
 
 def _components(objects: Sequence[PrintObject], materials: _Materials) -> _Laid:

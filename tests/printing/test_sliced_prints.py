@@ -1,10 +1,12 @@
 """Prints in PrusaSlicer: two materials, and gaps that stay open in the first layer."""
 
 import pytest
+import shapely
 from sliced_layers import least_gap_mm, printed_islands, sliced, wants_slicer
 from thick_sheets import book, miura_pattern, thick
 
 from fab.jobs.print_files import ThickFormat, make_thick
+from fab.printing.bed_place import BedPlace
 from fab.printing.print_objects import PrintObject, sheet_parts
 from fab.printing.printers import load_printer
 from fab.printing.thick_settings import thick_settings
@@ -16,10 +18,19 @@ RESOLUTION_MM = 0.0125
 
 @wants_slicer
 def test_panels_and_hinges_are_printed_by_two_extruders(tmp_path):
-    parts = tuple(sheet_parts(thick(miura_pattern())))
+    sheet = thick(miura_pattern())
+    place = BedPlace(20.0, (90.0, 80.0))
     path = tmp_path / "miura.3mf"
-    path.write_bytes(threemf_bytes([PrintObject("miura", parts)], "miura"))
-    assert {"T0", "T1"} <= set(sliced(path, "--nozzle-diameter", "0.4,0.4"))
+    whole = PrintObject("miura", tuple(sheet_parts(sheet)), place)
+    path.write_bytes(threemf_bytes([whole], "miura"))
+    lines = sliced(path, "--nozzle-diameter", "0.4,0.4", "--dont-arrange")
+    assert {"T0", "T1"} <= set(lines)
+    # both lie where they belong, and hinges between their panels
+    islands = shapely.union_all(printed_islands(lines, 1))
+    points = place.moved(sheet.bodies.vertices_coords[:, :2])
+    corners = [*points.min(axis=0), *points.max(axis=0)]
+    assert islands.bounds == pytest.approx(corners, abs=0.3)  # corners are rounded
+    assert islands.geom_type == "Polygon"
 
 
 @wants_slicer
