@@ -178,7 +178,7 @@ def _title(root: ET.Element) -> str:
 
 def _is_own(root: ET.Element) -> bool:
     """Whether the file is one of the sheets that this program draws."""
-    groups = [child for child in root if local_name(child) not in ("", "title")]
+    groups = [child for child in root if local_name(child) not in ("", "title", "desc")]
     labels = [group.get(_LABEL, "") for group in groups]
     return (
         all(local_name(group) == "g" for group in groups)
