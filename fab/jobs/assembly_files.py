@@ -15,6 +15,7 @@ from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.layout.nesting import Placements
 from fab.pattern.closing_edges import folded_by_angles
 from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.kinematics import unknown_angles
 from fab.sheets.cut_pieces import CutPattern, PatternCopies
 from fab.sheets.cut_wishes import TabKind
 from fab.sheets.labels import number_text
@@ -45,6 +46,7 @@ __all__ = ["guide_of"]
 _DECIMALS = 6
 # Of more creases it is not sought whether they fold rigidly, which may take seconds.
 _MOST_CREASES = 2_000
+_FOLDED_FLAT_DEG = 179.0
 
 
 def guide_of(
@@ -149,8 +151,14 @@ def _hold(seam: Seam, tabs: TabKind) -> Hold:
 
 
 def _motion(pattern: CreasePattern) -> Motion:
-    """How its faces move, as far as that is found quickly."""
-    if int(pattern.edges_joining.sum()) > _MOST_CREASES:
+    """How its faces move, as far as that is found quickly.
+
+    Of sheets that are folded flat, or to angles that are not known, states between are sought,
+    which takes seconds.
+    """
+    joining = pattern.edges_joining
+    over = np.abs(pattern.edges_foldAngle[joining]).max(initial=0.0) >= _FOLDED_FLAT_DEG
+    if int(joining.sum()) > _MOST_CREASES or over or unknown_angles(pattern)[joining].any():
         return Motion.UNKNOWN
     try:
         found = rigid_motion(pattern)
@@ -275,7 +283,7 @@ def _model_facts(
         size += f", {size_text('folded', formed.folded_coords)}"
     return [
         ("Copies", str(copies)),
-        ("Pieces", f"{len(pieces)}, {counted(seams, 'seam')}"),
+        ("Pieces", f"{len(pieces)}, {counted(seams, 'seam')}" if seams else str(len(pieces))),
         ("Size", size),
         ("Creases", f"{counted(counts['M'], 'mountain')}, {counted(counts['V'], 'valley')}"),
         ("Mass", f"{grams:.3g} g"),

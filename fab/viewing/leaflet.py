@@ -32,9 +32,13 @@ class Facts:
 
 @dataclass(frozen=True)
 class Row:
-    """Sketches side by side, each with its caption, never torn apart."""
+    """Sketches side by side, each with its caption, never torn apart.
+
+    joined : whether it stays on the page of what follows.
+    """
 
     sketches: tuple[Sketch, ...]
+    joined: bool = False
 
 
 @dataclass(frozen=True)

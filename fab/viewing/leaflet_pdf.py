@@ -150,7 +150,9 @@ def _flowables(block: Block, styles: dict[str, Any]) -> list[Any]:
     if isinstance(block, Facts):
         return [_facts(block, styles)]
     if isinstance(block, Row):
-        return [_row(block.sketches, styles, FRAME_MM[0])]
+        row = _row(block.sketches, styles, FRAME_MM[0])
+        row.keepWithNext = block.joined
+        return [row]
     if isinstance(block, Step):
         return [_step(block, styles)]
     if isinstance(block, Table):

@@ -46,6 +46,8 @@ _AROUND = 0.2
 _MOST_APART, _FAR = 4, 0.4
 # Maps may reach beyond the pattern, over its size, and be so much wider than what they are about.
 _BEYOND, _WIDER = 0.01, 1.6
+# Up to this many creases have their angles written beside them, in this size.
+_MOST_ANGLES, _ANGLE_MM = 60, 1.8
 # Numbers nearer than this to each other, over their size, cannot be read.
 _CROWDED = 0.7
 # Height of a map: at least, and for each of its seams.
@@ -241,6 +243,8 @@ class FlatMaps:
         seams = np.array([joint.edges for joint in joints], np.int64).ravel()
         lines = plan.on_paper(coords[model.pattern.edges_vertices[seams]])
         marks.append(Lines(lines, _SEAM_INK, _SEAM_MM))
+        if drawn <= _MOST_ANGLES and not clipped and lettered:
+            marks += self._angles(plan, pieces)
         if lettered:
             marks += self._letters(plan, pieces, clipped=clipped)
         marks += self._numbers(plan, joints)
@@ -269,6 +273,22 @@ class FlatMaps:
             backing = hex_colour(self.model.colours[number])
             out.append(Words(name, (x, y), size, bold=True, backing=backing))
         return out
+
+    def _angles(self, plan: Plan, pieces: Sequence[int]) -> list[Words]:
+        """The fold angle of each crease in its middle, unless all are the same."""
+        pattern = self.model.pattern
+        every = np.concatenate([self._own[k].creases[key] for k in pieces for key in "MV"])
+        whole = np.round(np.abs(pattern.edges_foldAngle[every])).astype(int)
+        if len(np.unique(whole)) < 2 or not whole.all():
+            return []
+        middles = pattern.vertices_coords[pattern.edges_vertices[every]].mean(axis=1)
+        piece = self.model.faces_piece[pattern.edges_faces[every, 0]]
+        return [
+            Words(f"{angle}°", (x, y), _ANGLE_MM, backing=hex_colour(self.model.colours[k]))
+            for angle, (x, y), k in zip(
+                whole.tolist(), plan.on_paper(middles).tolist(), piece.tolist(), strict=True
+            )
+        ]
 
     def _numbers(self, plan: Plan, joints: Sequence[Joint]) -> list[Words]:
         """The number of each seam at its middle, or beside both its edges."""

@@ -62,8 +62,9 @@ def _model(model: Model, views: FormViews | None, assembly: Assembly) -> list[Bl
     """The flat pattern, the steps and the table of seams of a model."""
     single = len(model.pieces) == 1 and not model.joints
     flat = FlatMaps(model)
-    high = 80.0 if single else 215.0 if len(model.joints) > _MANY_JOINTS else 130.0
-    blocks: list[Block] = [Heading("Flat pattern"), Row((flat.whole((_WIDE, high)),))]
+    alone = 80.0 if views is not None else 96.0
+    high = alone if single else 215.0 if len(model.joints) > _MANY_JOINTS else 130.0
+    blocks: list[Block] = [Heading("Flat pattern"), Row((flat.whole((_WIDE, high)),), joined=True)]
     letters = np.unique(model.pattern.edges_assignment).tolist()
     blocks.append(Row((legend(letters, model, _WIDE),)))
     blocks.append(Heading("Steps"))

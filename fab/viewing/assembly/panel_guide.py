@@ -72,7 +72,7 @@ def panel_guide(
     edges = np.array([hinge.edge for hinge in hinges], np.int64)
     plan = flat.numbered(edges, np.array(panels, np.int64), _FLAT_MM)
     if plan is not None:
-        blocks += [Heading("Hinges and panels"), Row((plan,))]
+        blocks += [Heading("Hinges and panels"), Row((plan,), joined=True)]
     letters = np.unique(model.pattern.edges_assignment).tolist()
     blocks.append(Row((legend(letters, model, _WIDE),)))
     blocks.append(Heading("Steps"))
