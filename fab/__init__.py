@@ -10,6 +10,7 @@
 | cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
 | fold it | `simulate`, with `FoldSettings`; `rigid_motion`, with flat faces |
 | see it grow and fold | `animate` |
+| run many variations of a job | `sweep` |
 | print it | `make_thick`, with `thick_settings` |
 | have it as solids | `thicken`, with `PanelSettings` and `HingeSettings`; `step_bytes` |
 | have it in build123d | `assembly`, a Compound with a joint at every crease; `pose` it |
@@ -63,6 +64,7 @@ if TYPE_CHECKING:
     from fab.printing.thick_settings import thick_settings
     from fab.sheets.materials import load_machine, load_material
     from fab.sheets.sheet_request import SheetRequest
+    from fab.sweeps.sweep_run import sweep
 
     __version__: str
 
@@ -99,6 +101,7 @@ __all__ = [
     "rigid_motion",
     "simulate",
     "step_bytes",
+    "sweep",
     "thick_settings",
     "thicken",
     "write",
@@ -137,6 +140,7 @@ _MODULES = {
     "rigid_motion": "fab.folding.rigid_motion",
     "simulate": "fab.jobs.folding_files",
     "step_bytes": "fab.panels.step",
+    "sweep": "fab.sweeps.sweep_run",
     "thick_settings": "fab.printing.thick_settings",
     "thicken": "fab.panels.thick_sheet",
     "write": "fab.outputs",

@@ -142,6 +142,25 @@ class Job(SheetSettings):
         ),
     ]
 
+    def tables(self) -> dict[str, Any]:
+        """The keys that were given, as nested tables of TOML values: a job from them is this one.
+
+        >>> tables = {"name": "m", "design": {"kind": "miura"}, "sheet": {"width_mm": 90.0}}
+        >>> parse_job(tables).tables() == tables
+        True
+        """
+        given: dict[str, Any] = self.model_dump(mode="json", exclude_unset=True)
+        return given
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickled by its tables: its class may be made for its design."""
+        return _again, (self.tables(), self.folder)
+
+
+def _again(tables: dict[str, Any], folder: Path) -> Job:
+    """A job out of a pickle, which its design, that may be code, has been part of before."""
+    return parse_job(tables, "job", folder, allow_code=True)
+
 
 def load_job(path: str | Path, changes: Sequence[str] = (), *, allow_code: bool = False) -> Job:
     """Read a job from a TOML file, with `changes` such as "design.strips=4" laid over it.

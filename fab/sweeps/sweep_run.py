@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from fab.errors import InvalidJob, counted
+from fab.jobs.job import Job
 from fab.progress import Progress, Steps, silent
 from fab.sweeps.cluster import ClusterSettings, cluster_pool, lost_batches
 from fab.sweeps.engine import Pool, run_batches
@@ -18,11 +20,11 @@ from fab.sweeps.job_text import job_bytes
 from fab.sweeps.rows import Batch, row_of
 from fab.sweeps.search import Search, best_rows
 from fab.sweeps.sweep_folder import Listed, Plan, SweepFolder, locked
-from fab.sweeps.sweep_settings import Sweep
+from fab.sweeps.sweep_settings import Sweep, sweep_of
 from fab.sweeps.variations import Variations, variations_of
 from fab.sweeps.workers import local_pool
 
-__all__ = ["Estimate", "SweepResult", "estimate", "run_sweep"]
+__all__ = ["Estimate", "SweepResult", "estimate", "run_sweep", "sweep"]
 
 # Variations that a dry run makes, to say how long the others take.
 _TRIED = 5
@@ -54,6 +56,13 @@ class SweepResult:
     damaged: int
     statuses: dict[str, int]
     best: tuple[str, ...] = ()
+
+    def rows(self) -> list[dict[str, Any]]:
+        """The rows of the table, in the order of the variations."""
+        import pyarrow.parquet as pq
+
+        found: list[dict[str, Any]] = pq.read_table(self.table).to_pylist()
+        return found
 
     def lines(self) -> Iterator[str]:
         """What a user should know of it, line by line."""
@@ -162,6 +171,34 @@ def run_sweep(
         step = partial(progress, "sweep")
         result = _searched if sweep.search is not None else _swept
         return result(there, variations, pool, step, source)
+
+
+def sweep(
+    job: Job,
+    axes: Mapping[str, Any],
+    folder: str | Path,
+    *,
+    settings: Mapping[str, Any] | None = None,
+    jobs: int | None = None,
+    cluster: ClusterSettings | None = None,
+    progress: Progress = silent,
+) -> SweepResult:
+    """Run a job with all combinations of the values of some keys, or search them for the best.
+
+    Parameters
+    ----------
+    axes : values by dotted keys, such as {"design.fold_deg": [30.0, 60.0]}; steps and random values
+        as in a sweep file.
+    folder : where the table and its parts are written; what is there is not run again.
+    settings : other keys of a sweep file, such as {"measure": ["fold"]} or a table "search".
+    jobs, cluster, progress : as in `run_sweep`.
+
+    Worker processes import the script that calls this, so that it has to be called under
+    `if __name__ == "__main__":`. Raises `InvalidJob` as `run_sweep`.
+    """
+    document = {**(settings or {}), "axes": dict(axes)}
+    found = sweep_of(job, document)
+    return run_sweep(found, folder, jobs=jobs, cluster=cluster, progress=progress)
 
 
 def _swept(

@@ -9,7 +9,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, model_validator
 
 from fab.catalogue import shipped
 from fab.errors import InvalidJob, did_you_mean
@@ -18,7 +18,7 @@ from fab.settings import Settings, checked, read_toml
 from fab.sweeps.cluster import ClusterSettings
 from fab.sweeps.search_settings import SearchSettings
 
-__all__ = ["Limits", "Measure", "Sweep", "load_sweep"]
+__all__ = ["Limits", "Measure", "Sweep", "load_sweep", "sweep_of"]
 
 _CURE = "README shows a complete one."
 
@@ -48,7 +48,9 @@ class Sweep(Settings):
         pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$",
         description="1 to 100 letters, digits, '_', '-' or '.'",
     )
-    base: str = Field(description="a job beside the sweep, or the name of a shipped one")
+    base: str | None = Field(
+        default=None, description="a job beside the sweep, or the name of a shipped one"
+    )
     axes: dict[str, Any] = Field(description="keys of the job, and their values")
     combine: Literal["grid", "zip", "latin_hypercube"] = Field(
         default="grid",
@@ -73,6 +75,15 @@ class Sweep(Settings):
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
     _folder: Path = PrivateAttr(default=Path())
     _allow_code: bool = PrivateAttr(default=False)
+
+    @model_validator(mode="after")
+    def _counted(self) -> Sweep:
+        if (self.combine == "latin_hypercube") != (self.count is not None):
+            raise ValueError(
+                f"combine = {self.combine!r} and count = {self.count}: a Latin hypercube needs "
+                "count, and the others have none"
+            )
+        return self
 
     @property
     def document(self) -> dict[str, Any]:
@@ -116,14 +127,24 @@ def load_sweep(path: str | Path, *, allow_code: bool = False) -> Sweep:
     """
     path = Path(path)
     sweep = checked(Sweep, read_toml(path, f"Check the path. {_CURE}"), str(path), _CURE)
-    if (sweep.combine == "latin_hypercube") != (sweep.count is not None):
-        raise InvalidJob(
-            f"{path}: combine = {sweep.combine!r} and count = {sweep.count}: a Latin hypercube "
-            "needs count, and the others have none."
-        )
+    if sweep.base is None:
+        raise InvalidJob(f"{path}: base is missing. Name a job beside it, or a shipped one.")
     place = _base(path, sweep.base)
-    sweep._document = read_toml(place, "Check base in the sweep.")
-    sweep._folder = place.parent.absolute()
+    tables = read_toml(place, "Check base in the sweep.")
+    return _with_base(sweep, tables, place.parent, allow_code=allow_code)
+
+
+def sweep_of(job: Job, document: Mapping[str, Any]) -> Sweep:
+    """The sweep of a job: its axes and other keys, as in a sweep file but for its base.
+
+    Raises `InvalidJob` with every key at fault.
+    """
+    sweep = checked(Sweep, {"name": job.name, **document}, "sweep", _CURE)
+    return _with_base(sweep, job.tables(), job.folder, allow_code=True)
+
+
+def _with_base(sweep: Sweep, tables: dict[str, Any], folder: Path, *, allow_code: bool) -> Sweep:
+    sweep._document, sweep._folder = tables, folder.absolute()
     sweep._allow_code = allow_code
     return sweep
 

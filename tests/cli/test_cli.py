@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -351,6 +352,16 @@ def test_what_the_terminal_cannot_show_is_escaped(here):
 
 def test_python_of_the_readme_runs(here):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    (swept,) = [block for block in blocks if "fab.sweep(" in block]
+    Path("templates").mkdir()
+    Path("templates/miura.toml").write_bytes((TEMPLATES / "miura.toml").read_bytes())
+    Path("script.py").write_text(swept)
+    done = subprocess.run([sys.executable, "script.py"], capture_output=True, text=True, check=True)
+    fold_deg, strain = map(float, done.stdout.split())
+    assert fold_deg in (30.0, 50.0, 70.0)
+    assert 0 < strain < 0.01
+    blocks.remove(swept)
+    shutil.rmtree("out")
     assert len(blocks) == 4
     done = subprocess.run(
         [sys.executable, "-c", blocks[0]], capture_output=True, text=True, check=True

@@ -3,6 +3,7 @@
 import errno
 import hashlib
 import json
+import pickle
 import subprocess
 import sys
 from dataclasses import replace
@@ -502,3 +503,12 @@ def test_surfaces_that_cannot_be_followed_are_named(tmp_path, design, text):
 def test_a_direction_has_three_numbers():
     with pytest.raises(InvalidJob, match=r"design\.up"):
         parse_job(surface_job(surface="ball.stl", up=[0.0, 1.0]))
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in TEMPLATES.glob("*.toml")))
+def test_jobs_are_the_same_out_of_a_pickle(name):
+    job = load_job(TEMPLATES / f"{name}.toml", ["panels.thickness_mm=1.25"])
+    again = pickle.loads(pickle.dumps(job))
+    assert again == job
+    assert again.folder == job.folder
+    assert again.model_fields_set == job.model_fields_set
