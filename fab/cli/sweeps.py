@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -71,7 +72,7 @@ def sweep(
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", default=".", type=click.Path(path_type=Path))
 @click.option("--best", metavar="COLUMN", help="Lowest values first; -COLUMN: highest.")
 @click.option("--where", metavar="CONDITION", help='As in SQL, such as "crossings = 0".')
 @click.option("--top", type=click.IntRange(1), help="At most so many rows.")
@@ -79,6 +80,7 @@ def sweep(
     "--show", metavar="COLUMNS", help="Such as number,mass_g (default: axes and what is asked for)."
 )
 @click.option("--csv", "as_csv", is_flag=True, help="Print all columns as CSV.")
+@click.option("--schema", is_flag=True, help="Print the JSON schema of reports instead.")
 def table(
     folder: Path,
     best: str | None,
@@ -86,9 +88,15 @@ def table(
     top: int | None,
     show: str | None,
     as_csv: bool,
+    schema: bool,
 ) -> None:
     """Show rows of the table of a sweep: the best, or those that meet a condition."""
     with answers():
+        if schema:
+            from fab.sweeps.report_schema import report_schema
+
+            say(json.dumps(report_schema(), indent=2))
+            return
         from fab.sweeps.sweep_table import choose
 
         names = [] if show is None else [name.strip() for name in show.split(",")]
