@@ -5,6 +5,7 @@
 - `assembly_order` orders and names the pieces: `assembly_order`, `piece_name`.
 - `nesting` places pieces on as few beds as it finds: `nest`, `Placements`; `turned_pieces` are what
   it places, `bed_filling` fills one bed after another, and `gap_filling` the gaps between pieces.
-- `blocks` lays pieces side to side along equal sides, to be placed as one.
+- `blocks` lays pieces side to side along equal sides, to be placed as one; `block_places` are where
+  they may lie.
 - `piece_gaps` sets pieces apart that touch or come too near.
 """

@@ -8,7 +8,8 @@ import numpy as np
 import shapely
 
 from fab.geometry.rings import ring_areas
-from fab.layout.blocks import Block, BlockPiece, blocks, straight_sides
+from fab.layout.block_places import BlockPiece, straight_sides
+from fab.layout.blocks import Block, blocks
 from fab.layout.nesting import Placement, Placements, nest
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.outlines import outlines_of

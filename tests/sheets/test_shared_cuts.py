@@ -13,7 +13,7 @@ from fab.drawings.cut_paths import CutPaths, Layer, Operation, polylines
 from fab.drawings.drawing_files import SheetFormat
 from fab.drawings.shared_lines import cut_once
 from fab.jobs.sheet_files import fabricate_together
-from fab.layout.blocks import straight_sides
+from fab.layout.block_places import straight_sides
 from fab.sheets.cut_pieces import PatternCopies
 from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.shared_cuts import placed_side_to_side
@@ -187,3 +187,13 @@ def test_other_wishes_go_with_shared_lines(keys):
         assert sheet["cut_mm"] == plain["cut_mm"]
     else:
         assert sheet["sides"][1]["cut_mm"] == plain["cut_mm"]
+
+
+def test_what_matches_a_later_piece_alone_is_laid_against_it():
+    """Squares of 50 mm take a strip of 50 x 20 mm, which takes a square of 20 mm at its end."""
+    square, strip, small = (
+        [(0, 0), (x, 0), (x, y), (0, y)] for x, y in ((50, 50), (50, 20), (20, 20))
+    )
+    (sheet,) = made((square, 1), (strip, 1), (small, 1))["sheets"]
+    edges = sum(4 * KERF + 2 * (x + y) for x, y in ((50, 50), (50, 20), (20, 20)))
+    assert sheet["cut_mm"] == pytest.approx(edges - (50 + KERF) - (20 + KERF), abs=1e-3)
