@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = [
     "corners_and_triangles",
     "difference",
+    "joined",
     "joined_mesh",
     "manifold_of",
     "manifolds",
@@ -135,6 +136,13 @@ def corners_and_triangles(solid: Manifold) -> tuple[FloatArray, IntArray]:
     mesh = solid.to_mesh64()
     coords = np.array(mesh.vert_properties[:, :3], np.float64)
     return coords, np.asarray(mesh.tri_verts, np.int64)
+
+
+def joined(solids: Sequence[Manifold]) -> Manifold:
+    """All of some solids in one."""
+    from manifold3d import Manifold, OpType
+
+    return Manifold.batch_boolean(solids, OpType.Add)
 
 
 def difference(solids: Sequence[Manifold]) -> Manifold:

@@ -160,6 +160,10 @@ def thick_files(
     plates: Plates | None = None
     if print_with.printer is not None and _divisible(settings, findings):
         with clock.stage("plates") as step:
+            if settings.hinges.anchor_mm > 0:  # joints have the place of dovetails
+                butted = settings.hinges.model_copy(update={"anchor_mm": 0.0})
+                sheet, _ = thicken(free, settings.panels, butted)
+                findings.append(_butted())
             plates, found = make_plates(sheet, print_with.printer.bed_mm, settings.plates, step)
         findings = [finding for finding in findings if finding.code != "print-too-large"]
         findings += [_divided(plates), *found]
@@ -344,6 +348,14 @@ def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:
     """Whether a sheet is too large for its bed, and has hinges that parts can be joined by."""
     large = any(finding.code == "print-too-large" for finding in findings)
     return large and set(settings.hinges.kinds) <= {"web", "none"}
+
+
+def _butted() -> Finding:
+    text = (
+        "webs of a sheet that is printed in parts have no dovetails in their panels: panels and "
+        "hinges hold by adhesion alone. Print both of one material."
+    )
+    return Finding("web-not-anchored", Severity.WARNING, text)
 
 
 def _divided(plates: Plates) -> Finding:

@@ -73,6 +73,13 @@ class HingeSettings(Settings):
         description="how far the outside of a web or film may stretch: it is made long enough. "
         "That of the print material where left out",
     )
+    anchor_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=1000,
+        description="how far webs reach into their panels, in dovetails; 0 for none. Where panels "
+        "and hinges are of different materials, five nozzles where left out",
+    )
     knuckle_mm: float = Field(
         default=4.0, ge=0.1, le=1000, description="least length of a barrel, along its crease"
     )

@@ -9,6 +9,7 @@ import numpy as np
 from fab.errors import Finding
 from fab.geometry.bodies import Bodies, bodies_of, concatenated
 from fab.panels.alignment_holes import drilled
+from fab.panels.anchors import anchored
 from fab.panels.bevelled_panels import Panels, PanelSettings, make_panels
 from fab.panels.film import make_film
 from fab.panels.first_layer import relieved
@@ -165,4 +166,8 @@ def thicken(
         )
         sheet = replace(sheet, bodies=bodies, joining=joining)
         findings += note
+    if hinge.anchor_mm > 0:
+        bodies, without = anchored(pattern, panels, webs.creases, sheet.bodies, hinge)
+        sheet = replace(sheet, bodies=bodies)
+        findings += without
     return sheet, findings

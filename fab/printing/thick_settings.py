@@ -21,6 +21,9 @@ from fab.printing.printers import (
 )
 from fab.settings import Settings, apply_change, checked
 
+# How far webs of another material reach into panels, in nozzles, and a nozzle that is unknown.
+_ANCHOR_NOZZLES, _NOZZLE_MM = 5, 0.4
+
 __all__ = ["UNKNOWN", "PrintWith", "PrinterSettings", "ThickSettings", "thick_settings"]
 
 
@@ -80,14 +83,17 @@ class ThickSettings(Settings):
     def printed(self, print_with: PrintWith) -> Self:
         """The same, with what they leave to the printer and its materials.
 
-        These are the strain of webs, the play of knuckles, the spread of the first layer, and the
-        margin of plates.
+        These are the strain of webs, their anchors in panels of another material, the play of
+        knuckles, the spread of the first layer, and the margin of plates.
         """
         printer, material = print_with.printer, print_with.hinges
         panels, plates, given = self.panels, self.plates, self.hinges.model_fields_set
         fitting: dict[str, float] = {}
         if material is not None and material.strain_max is not None:
             fitting["strain_max"] = material.strain_max
+        if print_with.material_count > 1:
+            nozzle = _NOZZLE_MM if printer is None else printer.nozzle_mm
+            fitting["anchor_mm"] = round(_ANCHOR_NOZZLES * nozzle, 6)
         if printer is not None:
             fitting["play_mm"] = printer.least_gap_mm
             if panels.first_layer_mm is None:

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from thick_sheets import book
+from thick_sheets import book, miura_pattern, scaled_to
 
 from fab.errors import InvalidJob, Severity
 from fab.jobs.print_files import ThickFormat, make_thick
@@ -108,3 +108,17 @@ def test_files_are_laid_out_for_the_slicer_of_the_printer_in_the_middle_of_its_b
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2 + shift
     bed = {"prusa_mk4s": (250, 210), "bambu_x1c": (256, 256)}[machine]
     assert middle == pytest.approx(np.array(bed) / 2, abs=1e-5)
+
+
+def test_sheets_in_parts_have_no_dovetails_and_say_so():
+    settings = thick_settings(TWO, "bambu_a1_mini", None)
+    formats = [ThickFormat.THREEMF]
+    pattern = scaled_to(miura_pattern(), 250.0)
+    of = make_thick(pattern, "m", settings, print_with=settings.print_with(), formats=formats)
+    found = [finding for finding in of.findings if finding.code == "web-not-anchored"]
+    assert [finding.severity for finding in found] == [Severity.WARNING]
+    assert "printed in parts" in found[0].text
+    assert {finding.severity for finding in of.findings} <= {Severity.NOTE, Severity.WARNING}
+    assert len(of.report["plates"]["plates"]) == len(of.files) - 1
+    archive = zipfile.ZipFile(io.BytesIO(of.files["m_thick_plate_1.3mf"]))
+    assert "Metadata/model_settings.config" in archive.namelist()
