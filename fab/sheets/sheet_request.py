@@ -149,12 +149,14 @@ class SheetRequest:
         """By which pieces are turned on the bed, in degrees, so that they keep the grain.
 
         The grain of the pattern, x where nothing else is said, comes to lie along that of the
-        material; from there pieces turn as the material allows. None for any angle.
+        material; from there pieces turn as the material allows. Sheets are mirrored after that,
+        where they are, so that it then lies along the mirrored grain. None for any angle.
         """
         turns, grain = self.material.rotations_deg, self.grain_deg
         if turns is None and grain is None:
             return None
-        along = (self.material.grain_deg or 0.0) - (grain or 0.0)
+        stock = self.material.grain_deg or 0.0
+        along = (-stock if self.wishes.mirror else stock) - (grain or 0.0)
         return tuple((along + turn) % 360.0 for turn in turns or (0.0, 180.0))
 
     @property

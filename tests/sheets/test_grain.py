@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from io import StringIO
+
+import ezdxf
 import numpy as np
 import pytest
 import shapely
-from flat_patterns import grid
+from flat_patterns import grid, pattern_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab.drawings.drawing_files import SheetFormat
 from fab.jobs.sheet_files import fabricate
 from fab.layout.nesting import nest
+from fab.sheets.cut_wishes import CutWishes
 from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.materials import Material, load_machine, load_material
 from fab.sheets.sheet_request import SheetRequest
@@ -122,3 +126,24 @@ def test_margin_and_gap_are_those_of_the_run(tmp_path):
     assert len(fabricate(board, "board", wide).report["sheets"]) == 2
     with pytest.raises(ValueError, match=r"margin_mm = 100 leaves nothing of bed_mm"):
         CutterSettings(**keys, margin_mm=100.0).request()
+
+
+@pytest.mark.parametrize("mirror", [False, True])
+def test_creases_lie_along_the_grain_of_the_stock_on_the_bed(mirror):
+    """Of a strip whose creases are all along y, on stock with a grain at 30 degrees."""
+    coords = [(25.0 * x, y) for y in (0.0, 60.0) for x in range(6)]
+    strip = pattern_of(coords, [[x, x + 1, x + 7, x + 6] for x in range(5)])
+    request = SheetRequest(
+        of_grain(30.0),
+        MACHINE,
+        formats=[SheetFormat.DXF],
+        page=False,
+        grain_deg=90.0,
+        wishes=CutWishes(mirror=mirror),
+    )
+    made = fabricate(strip, "strip", request)
+    lines = ezdxf.read(StringIO(made.files["strip_1.dxf"].decode())).modelspace()
+    dashes = [each for each in lines.query("LINE") if each.dxf.layer == "MOUNTAIN"]
+    assert len(dashes) > 20
+    angles = [(each.dxf.end - each.dxf.start).angle_deg % 180 for each in dashes]
+    np.testing.assert_allclose(angles, 30.0, atol=1e-3)
