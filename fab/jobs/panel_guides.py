@@ -63,9 +63,21 @@ def panel_guide_of(
         seam="joint",
     )
     printed = () if plates is None else _plates(plates)
-    assembly = Assembly(name, made_by, (model,), printed, tuple(_stock(sheet, print_with)))
+    stock = tuple(_stock(sheet, print_with))
+    assembly = Assembly(name, made_by, (model,), printed, stock, tuple(_printing(figures)))
     panels = tuple(int(face) for face in np.unique(sheet.panels.faces))
     return panel_guide(assembly, scene, hinges, state, panels)
+
+
+def _printing(figures: Mapping[str, Any]) -> list[str]:
+    """What is to be done while the panels are printed."""
+    pause = figures.get("pause")
+    if pause is None:
+        return []
+    return [
+        f"Pause at z = {pause['z_mm']:g} mm, after layer {pause['after_layer']}, and lay in the "
+        "film or fabric. Cut it along the outline in the end."
+    ]
 
 
 def _parts(sheet: ThickSheet, plates: Plates | None) -> tuple[CutPiece, ...]:

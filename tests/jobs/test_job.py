@@ -55,7 +55,9 @@ def test_every_template_is_exact_and_without_errors(name):
     job = load_job(TEMPLATES / f"{name}.toml")
     wanted = job.outputs
     drawn = {"dxf", "svg", "pdf"} & set(wanted) if job.cutter is not None else set()
-    names = [*(f"{name}.{f}" for f in wanted if f not in drawn), f"{name}_report.json"]
+    own = [f for f in wanted if f not in drawn and f != "assembly"]
+    names = [*(f"{name}.{f}" for f in own), f"{name}_report.json"]
+    names += [f"{name}_assembly.pdf"] * ("assembly" in wanted)
     names += [f"{name}_{n + 1}.{f}" for n in range(len(report.get("sheets", []))) for f in drawn]
     if {"step", "png"} <= set(wanted):
         names.append(f"{name}_thick.png")
@@ -147,6 +149,7 @@ def test_the_sheets_of_the_template_with_a_cutter():
     assert sum(sheet["minutes"] for sheet in report["sheets"]) == pytest.approx(12.3, abs=0.3)
     for sheet in report["sheets"]:
         assert set(sheet["files"]) <= set(made.files)
+    assert "miura_sheets_assembly.pdf" in made.files
 
 
 def test_the_pair_of_one_target_differs_by_its_zigzag_alone():

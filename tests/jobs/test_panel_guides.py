@@ -97,6 +97,13 @@ def test_hinges_with_pins_are_told_and_the_page_has_the_guide_too():
     assert "<td>knuckle</td>" in section
 
 
+def test_the_print_pauses_where_the_report_says():
+    changes = ("hinges.kind=film", "hinges.embedded=true")
+    _, result = made(160.0, *changes)
+    pause = result.report["solids"]["pause"]
+    assert f"z = {pause['z_mm']:g} mm, after layer {pause['after_layer']}" in read(result)
+
+
 def test_the_command_makes_it_unless_something_else_is_asked_for(tmp_path):
     words = ["thicken", str(PATTERNS / "box.fold"), "--width-mm", "120", "--quiet"]
     words += ["--out", str(tmp_path)]
