@@ -19,6 +19,7 @@ from fab.pattern.kinematics import unknown_angles
 from fab.sheets.cut_pieces import CutPattern, PatternCopies
 from fab.sheets.cut_wishes import TabKind
 from fab.sheets.labels import number_text
+from fab.sheets.materials import Machine
 from fab.sheets.piece_patterns import Piece
 from fab.sheets.rim_points import rim_points
 from fab.sheets.seams import Seam
@@ -255,7 +256,7 @@ def _facts(request: SheetRequest, report: Mapping[str, Any]) -> list[tuple[str, 
     width, depth = machine.bed_mm
     minutes = sum(float(sheet["minutes"]) for sheet in report["sheets"])
     grams = material.grams_per_m2 * width * depth / 1e6
-    settings = f"kerf {machine.kerf_mm:g} mm, allowed for in the drawings"
+    settings = _kerf_text(machine)
     if request.registration is not None:
         settings += ", creases scored from both sides"
     return [
@@ -265,6 +266,14 @@ def _facts(request: SheetRequest, report: Mapping[str, Any]) -> list[tuple[str, 
         ("Sheets", f"{len(report['sheets'])} of {width:g} x {depth:g} mm, {grams:.3g} g each"),
         ("Cutting time", f"about {minutes:.1f} min in all"),
     ]
+
+
+def _kerf_text(machine: Machine) -> str:
+    """Such as "kerf 0.1 x 0.2 mm, allowed for in the drawings"."""
+    widths = machine.kerf_mm if isinstance(machine.kerf_mm, tuple) else (machine.kerf_mm,)
+    if not any(widths):
+        return "no kerf"
+    return f"kerf {' x '.join(f'{width:g}' for width in widths)} mm, allowed for in the drawings"
 
 
 def _model_facts(

@@ -186,8 +186,7 @@ def _facts(
     for hinge in hinges:
         kinds[hinge.kind] = kinds.get(hinge.kind, 0) + 1
     by_kind = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    panels = counted(len(np.unique(sheet.panels.faces)), "panel")
-    out = [("Panels", panels), ("Hinges", by_kind or "none")]
+    out = [("Panels", str(len(np.unique(sheet.panels.faces)))), ("Hinges", by_kind or "none")]
     if plates is not None:
         parts = counted(len(plates.parts), "part")
         out.append(("Parts", f"{parts} on {counted(plates.count, 'plate')}"))

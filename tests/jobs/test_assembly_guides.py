@@ -11,7 +11,7 @@ import pypdfium2
 import pytest
 from click.testing import CliRunner
 from flat_patterns import fan, grid, strips, triangles, turned_strip
-from helpers import PATTERNS
+from helpers import PATTERNS, TEMPLATES
 from hypothesis import given
 from hypothesis import strategies as st
 from pypdf import PdfReader
@@ -301,6 +301,25 @@ def test_steps_say_what_holds_each_seam(tabs, done, listed):
     for row, seam in zip(table.rows, made.report["glue_up"], strict=True):
         if seam.get("stitches"):
             assert row[4].startswith(f"{seam['stitches']} ")
+
+
+@pytest.mark.parametrize(
+    ("kerf", "told"),
+    [("0.15", "kerf 0.15 mm"), ("[0.1, 0.2]", "kerf 0.1 x 0.2 mm"), ("0.0", "no kerf")],
+)
+def test_the_head_says_what_the_sheets_are_made_for(tmp_path, kerf, told):
+    shipped = (TEMPLATES / "machines" / "co2_40w_300x200.toml").read_text()
+    own = re.sub(r"kerf_mm = [\d.]+", f"kerf_mm = {kerf}", shipped)
+    (tmp_path / "own.toml").write_text(own)
+    made, guide = guided(grid(3, 2, 40.0), machine=str(tmp_path / "own.toml"))
+    facts = dict(guide.blocks[0].rows)
+    assert facts["Settings"].partition(",")[0] == told
+    assert facts["Material"] == "Card, 300 g/m2, 0.36 mm"
+    minutes = sum(sheet["minutes"] for sheet in made.report["sheets"])
+    assert facts["Cutting time"] == f"about {minutes:.1f} min in all"
+    grams = 0.36 * 833 * 0.12 * 0.08  # of 120 x 80 mm, more or less a kerf
+    assert float(facts["Mass"].removesuffix(" g")) == pytest.approx(grams, rel=0.01)
+    assert facts["Sheets"] == f"1 of 300 x 200 mm, {0.36 * 833 * 0.06:.3g} g each"
 
 
 def sheet_box(guide):
