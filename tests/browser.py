@@ -48,10 +48,13 @@ class Opened:
 
 
 @contextmanager
-def opened(browser: Any, file: Path, script: str = "", **options: Any) -> Iterator[Opened]:
+def opened(
+    browser: Any, file: Path, script: str = "", ready: str = "#theme", **options: Any
+) -> Iterator[Opened]:
     """A file in a new context without a network.
 
-    script : run before those of the page. options : of the context, such as color_scheme.
+    script : run before those of the page. ready : what its script makes visible last. options : of
+    the context, such as color_scheme.
     """
     context = browser.new_context(offline=True, **options)
     try:
@@ -71,7 +74,7 @@ def opened(browser: Any, file: Path, script: str = "", **options: Any) -> Iterat
             page.add_init_script(script)
         page.goto(file.as_uri())
         if options.get("java_script_enabled", True):
-            page.locator("#theme").wait_for()  # the last that the page's script makes visible
+            page.locator(ready).first.wait_for()
         yield found
     finally:
         context.close()

@@ -138,12 +138,19 @@ class Sheet:
             scene, SurfaceMesh(surface.vertices_coords * factor, surface.faces_vertices)
         )
 
-    def make(self, formats: Iterable[str] | None = None, progress: Progress = silent) -> Made:
+    def make(
+        self,
+        formats: Iterable[str] | None = None,
+        progress: Progress = silent,
+        *,
+        rigidity: bool = True,
+    ) -> Made:
         """The sheet in each of `formats` as bytes, with the report of `make`.
 
         formats : such as ["dxf", "fold"]; the `outputs` of the settings where none are given.
+        rigidity : as in `make`.
         """
-        return _made(self, formats, Clock(progress))
+        return _made(self, formats, Clock(progress), rigidity=rigidity)
 
     def write(
         self,

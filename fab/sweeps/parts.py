@@ -20,7 +20,7 @@ from fab.errors import InvalidJob
 from fab.sweeps.axes import Axis
 from fab.sweeps.columns import FIGURES, OUTCOME, Column
 
-__all__ = ["Parts", "axis_fields", "write_table"]
+__all__ = ["Parts", "axis_fields", "unwritten", "write_table"]
 
 _TYPES = {
     "text": pa.string(),
@@ -66,13 +66,18 @@ def write_table(path: Path, schema: pa.Schema, rows: Iterable[Mapping[str, Any]]
                 count += len(chunk)
         beside.replace(path)
     except OSError as error:
-        raise InvalidJob(
-            f"{path}: cannot be written: {error.strerror or error}. What was written before is "
-            "whole: free some space, and run again to go on."
-        ) from error
+        raise unwritten(path, error) from error
     finally:
         beside.unlink(missing_ok=True)
     return count
+
+
+def unwritten(path: Path, error: OSError) -> InvalidJob:
+    """The refusal of a folder that cannot take a file."""
+    return InvalidJob(
+        f"{path}: cannot be written: {error.strerror or error}. What was written before is whole: "
+        "free some space, and run again to go on."
+    )
 
 
 def _chunks(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[Mapping[str, Any]]]:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fab import __version__
 from fab.errors import Severity
@@ -18,6 +18,9 @@ from fab.sweeps.columns import FIGURES, figures_of
 from fab.sweeps.sweep_settings import Measure, Sweep
 from fab.sweeps.variations import Variation, hash_of
 from solver.errors import OrigamiError
+
+if TYPE_CHECKING:
+    from fab.jobs.job_files import Sheet
 
 __all__ = ["Batch", "ended_row", "row_of"]
 
@@ -39,7 +42,10 @@ class Batch:
 
 
 def row_of(sweep: Sweep, variation: Variation, folder: Path | None = None) -> dict[str, Any]:
-    """The row of a variation. What goes wrong in it is in the row, and raises nothing."""
+    """The row of a variation. What goes wrong in it is in the row, and raises nothing.
+
+    Its key "picture", of sweeps that have pictures, is no column, but a PNG file.
+    """
     began = time.perf_counter()
     try:
         with _time_limit(sweep.limits.seconds):
@@ -72,12 +78,12 @@ def _hash(sweep: Sweep, variation: Variation) -> str:
 
 
 def _made(sweep: Sweep, variation: Variation, folder: Path | None) -> dict[str, Any]:
-    from fab.jobs.job_files import make
+    from fab.jobs.job_files import grown_sheet
     from fab.outputs import Made, write
 
-    job = sweep.job(variation.values)
+    sheet = grown_sheet(sweep.job(variation.values))
     formats = {_FORMATS[measure] for measure in sweep.measure if measure in _FORMATS}
-    made = make(job, [*formats, *sweep.outputs], rigidity=Measure.RIGID in sweep.measure)
+    made = sheet.make([*formats, *sweep.outputs], rigidity=Measure.RIGID in sweep.measure)
     if folder is not None:
         kept = tuple(f".{ending}" for ending in (*sweep.outputs, "json"))
         files = {name: data for name, data in made.files.items() if name.endswith(kept)}
@@ -91,7 +97,16 @@ def _made(sweep: Sweep, variation: Variation, folder: Path | None) -> dict[str, 
         "errors": " ".join(dict.fromkeys(codes[Severity.ERROR])),
         "warnings": " ".join(dict.fromkeys(codes[Severity.WARNING])),
         **figures_of(made.report),
+        **({"picture": _picture(sheet)} if sweep.pictures else {}),
     }
+
+
+def _picture(sheet: Sheet) -> bytes:
+    from fab.sweeps.thumbnails import thumbnail_bytes
+    from fab.viewing.scene_builders import pattern_scene
+
+    scene = pattern_scene(sheet.pattern, sheet.settings.name, upright=sheet.upright)
+    return thumbnail_bytes(scene)
 
 
 class _TooSlow(BaseException):

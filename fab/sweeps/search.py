@@ -128,7 +128,7 @@ class Search:
             return Batch(self.sweep, tuple(chosen), there.files) if chosen else None
 
         def keep(found: list[dict[str, Any]]) -> None:
-            there.parts.add(found)
+            there.keep(found)
             for row in found:
                 rows[row["job_hash"]] = row
                 for trial in asked.pop(row["job_hash"], []):

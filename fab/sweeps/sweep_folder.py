@@ -1,16 +1,15 @@
 """The folder of a sweep: its variations, its parts, and the table that is made of both.
 
-sweep.json            the sweep as it was run last
-variations.parquet    number, hash of the job, and values of the axes
-parts/                rows by the hash of their job
-files/                files of variations, in folders named by that hash
-results.parquet, .csv the whole table
-.lock                 held while a sweep runs
+- `variations.parquet`: number, hash of the job, and values of the axes
+- `parts`: rows by the hash of their job
+- `pictures`, `files`: folded forms, and files of variations, named by that hash
+- `results.parquet`, `results.csv`: the whole table; `sweep.html`: the page; `contact_sheet.png`
+- `.lock`: held while a sweep runs
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,13 +21,15 @@ import pyarrow.parquet as pq
 from fab import __version__
 from fab.errors import InvalidJob
 from fab.sweeps.axes import Axis
-from fab.sweeps.parts import Parts, axis_fields, write_table
+from fab.sweeps.parts import Parts, axis_fields, unwritten, write_table
 from fab.sweeps.sweep_settings import Sweep
 from fab.sweeps.variations import Variation, hash_of
 
 __all__ = ["Listed", "Plan", "SweepFolder", "Varied", "locked"]
 
 _RESULTS = ("results.parquet", "results.csv")
+# A page holds so many pictures.
+_PICTURES = 500
 
 
 @contextmanager
@@ -114,6 +115,48 @@ class SweepFolder:
         for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
             stray.unlink(missing_ok=True)
 
+    def keep(self, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Write the rows of a batch, and their pictures before them."""
+        for row in rows:
+            if row.get("picture") is not None:
+                self._write(f"pictures/{row['job_hash']}.png", row["picture"])
+        self.parts.add(rows)
+
+    def _write(self, name: str, data: bytes) -> None:
+        """Write a file beside its place, and rename it. Raises `InvalidJob` as `write_table`."""
+        place = self.path / name
+        beside = place.with_name(f".{place.name}.new")
+        try:
+            place.parent.mkdir(exist_ok=True)
+            beside.write_bytes(data)
+            beside.replace(place)
+        except OSError as error:
+            raise unwritten(place, error) from error
+
+    def write_page(self) -> None:
+        """Write the page, and the contact sheet where there are pictures, of the table as it is."""
+        from fab.sweeps.sweep_page import MOST_ROWS, sweep_page_bytes
+
+        table = pq.read_table(self.path / _RESULTS[0])
+        rows = table.slice(0, MOST_ROWS).to_pylist()
+        keys = [axis.key for axis in self.variations.axes]
+        pictures = {
+            row["job_hash"]: place.read_bytes()
+            for row in rows[:_PICTURES]
+            if (place := self.path / "pictures" / f"{row['job_hash']}.png").is_file()
+        }
+        page = sweep_page_bytes(self.sweep.name, keys, rows, table.num_rows, pictures)
+        self._write("sweep.html", page)
+        if pictures:
+            from fab.sweeps.thumbnails import contact_sheet_bytes
+
+            captions = [
+                (f"{row['number']}: " + ", ".join(_short(row[key]) for key in keys), picture)
+                for row in rows
+                if (picture := pictures.get(row["job_hash"])) is not None
+            ]
+            self._write("contact_sheet.png", contact_sheet_bytes(captions))
+
     def begin(self) -> Plan:
         """Write the variations, and say what there is to do.
 
@@ -159,9 +202,7 @@ class SweepFolder:
         for old in self.path.glob("best*.toml"):
             old.unlink()
         for name, data in files.items():
-            beside = self.path / f".{name}.new"
-            beside.write_bytes(data)
-            beside.replace(self.path / name)
+            self._write(name, data)
 
     def write_results(self) -> dict[str, int]:
         """Write the whole table, as Parquet and CSV. How many rows have which status."""
@@ -191,3 +232,7 @@ class SweepFolder:
                 "SELECT status, count(*) FROM results GROUP BY status ORDER BY 2 DESC, 1"
             ).fetchall()
         return dict(found)
+
+
+def _short(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

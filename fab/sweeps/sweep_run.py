@@ -78,7 +78,7 @@ class SweepResult:
             yield f"the best: {self.table.parent / self.best[0]}" + (
                 f" and {len(self.best) - 1} more" if len(self.best) > 1 else ""
             )
-        yield f"wrote {self.table} and {self.table.with_suffix('.csv')}"
+        yield f"wrote {self.table}, results.csv and the page {self.table.parent / 'sweep.html'}"
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ def _swept(
         return Batch(there.sweep, chosen, there.files) if chosen else None
 
     if plan.hashes:
-        run_batches(batch_of, len(plan.hashes), pool, there.parts.add, step)
+        run_batches(batch_of, len(plan.hashes), pool, there.keep, step)
     return _result(there, plan, plan.jobs - len(plan.hashes), ())
 
 
@@ -244,13 +244,8 @@ def _searched(
 
 
 def _result(there: SweepFolder, plan: Plan, begun_with: int, best: tuple[str, ...]) -> SweepResult:
-    return SweepResult(
-        there.path / "results.parquet",
-        plan.variations,
-        plan.jobs,
-        begun_with,
-        plan.others,
-        plan.damaged,
-        there.write_results(),
-        best,
-    )
+    statuses = there.write_results()
+    there.write_page()
+    table = there.path / "results.parquet"
+    found = (plan.variations, plan.jobs, begun_with, plan.others, plan.damaged)
+    return SweepResult(table, *found, statuses, best)

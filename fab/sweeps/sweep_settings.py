@@ -69,6 +69,9 @@ class Sweep(Settings):
     outputs: list[Literal["fold", "dxf", "svg", "step", "stl", "3mf", "png", "glb", "html"]] = (
         Field(default=[], description="files that are kept of each variation")
     )
+    pictures: bool = Field(
+        default=False, description="of the folded forms, for the page and a contact sheet"
+    )
     limits: Limits = Limits()
     cluster: ClusterSettings | None = None
     search: SearchSettings | None = None
@@ -98,7 +101,11 @@ class Sweep(Settings):
     @property
     def measured(self) -> list[str]:
         """What decides the figures of a variation besides its job."""
-        return [*sorted(self.measure), *sorted(self.outputs)]
+        return [
+            *sorted(self.measure),
+            *sorted(self.outputs),
+            *(["pictures"] if self.pictures else []),
+        ]
 
     def varied(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The tables of the base job with the values of a variation laid over them."""

@@ -24,6 +24,7 @@ from fab.drawings.layer_colours import Colours
 from fab.errors import Finding, Severity, counted
 from fab.viewing.drawing import CREASE_INK
 from fab.viewing.face_triangles import face_corner_triangles
+from fab.viewing.html_file import Script, html_file
 from fab.viewing.leaflet import Leaflet
 from fab.viewing.leaflet_html import leaflet_html
 from fab.viewing.level_of_detail import detail_note
@@ -66,10 +67,6 @@ _ELSEWHERE = ("outputs", "findings", "seconds", "quadfold", "name")
 _PICTURE_COLOURS = 64
 # From the least to the largest value.
 _RAMP = ("#ffffcc", "#ffeda0", "#fed976", "#feb24c", "#fd8d3c", "#fc4e2a", "#e31a1c", "#800026")
-_POLICY = (
-    "default-src 'none'; script-src {scripts}; style-src 'sha256-{style}'; "
-    "img-src data:; base-uri 'none'; form-action 'none'"
-)
 
 
 @dataclass(frozen=True)
@@ -104,18 +101,8 @@ class ResultPage:
 
 def page_bytes(page: ResultPage) -> bytes:
     """The page as an HTML file, the same bytes for the same page: without dates and durations."""
-    views, script = _asset("views.js"), _asset("page.js")
-    style = _asset("page.css") + shades_css()
     axes = _view(page.scene)
-    scripts = " ".join(f"'sha256-{_digest(each)}'" for each in (views, script))
-    policy = _POLICY.format(scripts=scripts, style=_digest(style))
-    parts = [
-        "<!DOCTYPE html>",
-        '<html lang="en"><head><meta charset="utf-8">',
-        f'<meta http-equiv="Content-Security-Policy" content="{policy}">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(page.title)}: {escape(page.made_by)}</title>",
-        f"<style>{style}</style></head><body>",
+    body = [
         *_head(page),
         "<main>",
         *_findings(page),
@@ -127,11 +114,14 @@ def page_bytes(page: ResultPage) -> bytes:
         *_asked(page),
         "</main>",
         *_foot(),
-        f'<script type="application/json" id="data">{_json(_data(page, axes))}</script>',
-        f"<script>{views}</script>",
-        f'<script type="module">{script}</script></body></html>',
     ]
-    return "\n".join(parts).encode()
+    return html_file(
+        f"{page.title}: {page.made_by}",
+        _asset("page.css") + shades_css(),
+        body,
+        _data(page, axes),
+        [Script(_asset("views.js")), Script(_asset("page.js"), module=True)],
+    )
 
 
 def _view(scene: Scene) -> FloatArray:
@@ -404,13 +394,3 @@ def _smaller(picture: bytes) -> bytes:
 
 def _asset(name: str) -> str:
     return (files("fab.viewing") / "page_assets" / name).read_text(encoding="utf-8")
-
-
-def _digest(text: str) -> str:
-    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-
-
-def _json(value: Any) -> str:
-    """JSON that is safe within a script element."""
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

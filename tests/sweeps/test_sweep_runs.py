@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from helpers import TEMPLATES
+from PIL import Image
 
 from fab.cli.group import main
 from fab.errors import InvalidJob
@@ -247,7 +248,7 @@ def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(tmp_path):
     path = tmp_path / "s.toml"
     path.write_text(
         'name = "s"\nbase = "base.toml"\nmeasure = ["rigid", "fold", "thick", "sheets"]\n'
-        'outputs = ["dxf"]\n[axes]\ndesign.columns = [4]\n'
+        'outputs = ["dxf"]\npictures = true\n[axes]\ndesign.columns = [4]\n'
     )
     job = (TEMPLATES / "miura.toml").read_text()
     cutter = '[cutter]\nmaterial = "card_300gsm"\nmachine = "co2_60w_600x400"\n'
@@ -262,6 +263,11 @@ def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(tmp_path):
     assert row["solids.volume_mm3"] == report["solids"]["volume_mm3"]
     assert row["rigid.verdict"] == "folds-rigidly"
     assert row["simulation.reached"] is True
+    with Image.open(tmp_path / "out/pictures" / f"{row['job_hash']}.png") as picture:
+        assert picture.size == (240, 180)
+        shades = picture.convert("L").getcolors()
+    assert len(shades) > 3  # a form, and not white alone
+    assert (tmp_path / "out/contact_sheet.png").is_file()
     kept = {file.name: file.read_bytes() for file in (tmp_path / "out/files").rglob("*.dxf")}
     assert kept == {"miura_1.dxf": made.files["miura_1.dxf"]}
 
