@@ -158,7 +158,7 @@ def thick_files(
     checked, found = _checked(sheet, states, settings, print_with, clock, limit_given=not limited)
     findings += found
     plates: Plates | None = None
-    if print_with.printer is not None and _divisible(settings, findings):
+    if print_with.printer is not None and _divisible(findings):
         with clock.stage("plates") as step:
             if settings.hinges.anchor_mm > 0:  # joints have the place of dovetails
                 butted = settings.hinges.model_copy(update={"anchor_mm": 0.0})
@@ -344,10 +344,9 @@ def _files(
     return data, [finding for surface in surfaces.values() for finding in inspect_stl(surface)]
 
 
-def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:
-    """Whether a sheet is too large for its bed, and has hinges that parts can be joined by."""
-    large = any(finding.code == "print-too-large" for finding in findings)
-    return large and set(settings.hinges.kinds) <= {"web", "none"}
+def _divisible(findings: Sequence[Finding]) -> bool:
+    """Whether a sheet is too large for its bed."""
+    return any(finding.code == "print-too-large" for finding in findings)
 
 
 def _butted() -> Finding:
@@ -423,7 +422,7 @@ def make_thick(
     """Files of any crease pattern as a thick sheet: NAME_thick.step, .stl, .3mf, .png, .html and so
     on, and a report.
 
-    A sheet of web hinges that is larger than its printer's bed gets an .stl and a .3mf for each
+    A sheet that is larger than its printer's bed gets an .stl and a .3mf for each
     plate, NAME_thick_plate_1.stl and so on.
 
     pattern : in millimetres; findings : of its reader, listed first in the report, which is the

@@ -9,6 +9,7 @@ import numpy as np
 
 from fab.geometry.brep import solids
 from fab.panels.body_colours import body_colours
+from fab.panels.film_parts import creased_films
 from fab.panels.hinge_room import crease_sides
 from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.crease_pattern import CreasePattern
@@ -65,7 +66,7 @@ def placed_solids(sheet: ThickSheet, coords: FloatArray | None = None) -> dict[i
 def _flat_solids(sheet: ThickSheet, coords: FloatArray | None) -> dict[int, Solid]:
     """The solids that `placed_solids` has, by their numbers, where they are when flat."""
     if coords is None:
-        made = dict(enumerate(solids(sheet.bodies)))
+        made = dict(enumerate(solids(creased_films(sheet))))
     else:
         rigid = solids(sheet.bodies.chosen(sheet.rigid))
         made = dict(zip(sheet.rigid.tolist(), rigid, strict=True))

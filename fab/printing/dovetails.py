@@ -27,6 +27,7 @@ import shapely
 from fab.errors import Finding, Severity, counted, first_few
 from fab.geometry.booleans import section
 from fab.panels.hinge_room import crease_sides
+from fab.panels.hinges import crease_kinds
 from fab.panels.thick_sheet import ThickSheet
 from fab.printing.joint_plans import (
     ROUNDING_MM,
@@ -37,13 +38,11 @@ from fab.printing.joint_plans import (
     joint_plan,
     places,
 )
+from fab.printing.knuckle_joints import BEYOND_MM, barrel_tongues, knuckle_place
 from fab.printing.plate_settings import SIZES, JointSettings
-from solver.vectors import FloatArray, IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["BEYOND_MM", "Joint", "make_joints"]
-
-# Cutters reach out of what they cut by this.
-BEYOND_MM = 1.0
+__all__ = ["Joint", "make_joints"]
 
 _Kind: TypeAlias = Literal["dovetail", "pin"]
 
@@ -59,6 +58,9 @@ class Joint:
     mouths : shape (k, 4, 2), mm: the part of the web below each of k tongues.
     tongues, pockets : shapes (k, n, 2): plans, counterclockwise, from the crease inwards.
     holes : shape (k, m, 2), holes of pins; m = 0 where there are none.
+    through : whether tongues and pockets go through their panel, as those behind knuckles do.
+    cleared : rings, shape (n, 2), of what a panel gives up besides pockets, each with its face.
+    beyond : shape (n, 2), corners of what else the part with the tongues reaches out to.
     """
 
     crease: int
@@ -68,6 +70,9 @@ class Joint:
     tongues: FloatArray
     pockets: FloatArray
     holes: FloatArray
+    through: bool = False
+    cleared: tuple[tuple[int, FloatArray], ...] = ()
+    beyond: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True)
@@ -113,11 +118,17 @@ class _Site:
         return len(self.webs.get(crease, [])) == 1
 
     def room(self, face: int) -> shapely.Geometry:
-        """Where in a panel there is material at all heights of a pocket."""
+        """Where in a panel there is material at all heights of a pocket, without its holes."""
         if face not in self.rooms:
-            mesh = self.sheet.panels.bodies.mesh(self.bodies[face])
+            number, low = self.bodies[face], self.levels.low
             top = min(self.levels.roof, self.levels.high - ROUNDING_MM)
-            self.rooms[face] = section(mesh, self.levels.low) & section(mesh, top)
+            bare, made = (
+                bodies.mesh(number) for bodies in (self.sheet.panels.bodies, self.sheet.bodies)
+            )
+            room = section(bare, low) & section(bare, top)
+            if self.sheet.hinge.hole_mm > 0:  # barrels of knuckles are no room
+                room &= section(made, low)
+            self.rooms[face] = room
         return self.rooms[face]
 
 
@@ -129,22 +140,70 @@ def make_joints(
     cuts : shape (n, 3): edge, face that should carry the tongues, face that should have the
     pockets; exchanged where only the first has room for pockets.
 
-    Creases that have no web, or several, are taped. Raises `InvalidValue` for tongues that leave no
-    roof of `roof_mm` above their pockets.
+    Creases that have no web, or several, are taped, and so are films. Of knuckles the part with the
+    pin carries tongues on the barrels of the other panel (`fab.printing.knuckle_joints`); what has
+    no room for these gives up its knuckles and is taped.
+
+    Raises `InvalidValue` for tongues that leave no roof of `roof_mm` above their pockets.
     """
     site = _Site.of(sheet, settings)
     taken: dict[int, list[shapely.Polygon]] = {}
     joints: list[Joint] = []
+    knuckled = set(sheet.knuckles.creases.tolist())
     for edge, tongue, pocket in cuts.tolist():
-        joint = _largest_joint(site, edge, (tongue, pocket), taken) if site.has_web(edge) else None
+        joint: Joint | None = None
+        if edge in knuckled:
+            joint = _of_knuckles(site, edge, taken)
+        elif site.has_web(edge):
+            joint = _largest_joint(site, edge, (tongue, pocket), taken)
         if joint is None:
             none = np.empty((0, 0, 2))
             joint = Joint(edge, "tape", (tongue, pocket), none, none, none, none)
         pockets = shapely.polygons(joint.pockets).tolist() if len(joint.pockets) else []
         taken.setdefault(joint.faces[1], []).extend(pockets)
         joints.append(joint)
-    refused = [joint for joint in joints if joint.kind != settings.joint]
-    return joints, _findings(site, refused)
+    filmed = crease_kinds(sheet.pattern, sheet.hinge) == "film"
+    refused = [
+        joint for joint in joints if joint.kind != settings.joint and not filmed[joint.crease]
+    ]
+    return joints, [*_taped_films(joints, filmed), *_findings(site, refused)]
+
+
+def _of_knuckles(site: _Site, edge: int, taken: dict[int, list[shapely.Polygon]]) -> Joint:
+    """The joint of a crease with knuckles."""
+    sheet, settings = site.sheet, site.settings
+    place = knuckle_place(sheet, edge)
+    pinned, other = sheet.pattern.edges_faces[edge].tolist()
+    if settings.joint != "tape":
+        found = barrel_tongues(place, settings, site.room(other), taken.get(other, []))
+        if found is not None:
+            return Joint(
+                edge,
+                "dovetail",
+                (pinned, other),
+                found.mouths,
+                found.tongues,
+                found.pockets,
+                np.empty((len(found.tongues), 0, 2)),
+                True,
+                tuple((other, ring) for ring in found.cleared),
+                place.strip,
+            )
+    none = np.empty((0, 0, 2))
+    both = tuple(zip((pinned, other), place.strips(), strict=True))
+    return Joint(edge, "tape", (pinned, other), none, none, none, none, True, both)
+
+
+def _taped_films(joints: Sequence[Joint], filmed: BoolArray) -> list[Finding]:
+    edges = [joint.crease for joint in joints if filmed[joint.crease]]
+    if not edges:
+        return []
+    text = (
+        f"the film is cut along {counted(len(edges), 'crease', 'creases')} between parts: lay the "
+        "parts edge to edge, and tape the film below along each of them. The tape folds as the "
+        "film does."
+    )
+    return [Finding("film-taped", Severity.NOTE, text, creases=first_few(edges))]
 
 
 def _largest_joint(
@@ -216,7 +275,9 @@ def _findings(site: _Site, joints: Sequence[Joint]) -> list[Finding]:
         plan = joint_plan(settings, settings.joint, size, 0.0, 0.0)
         needs = f"{plan.width:.4g} x {float(np.ptp(plan.pocket[:, 1])):.4g} mm"
         why = f"no room in its panels for a pocket of {needs} and walls of {settings.wall_mm:g} mm"
-        if not site.has_web(longest):
+        if longest in sheet.knuckles.creases:
+            why = f"no room for pockets behind its barrels, with walls of {settings.wall_mm:g} mm"
+        elif not site.has_web(longest):
             why = "no web"
         elif settings.joint == "pin" and not site.kinds:
             why = f"no roof of {settings.roof_mm:g} mm above a strap"

@@ -23,6 +23,7 @@ __all__ = [
     "joint_levels",
     "joint_plan",
     "places",
+    "rim_of",
     "strap_mm",
 ]
 
@@ -148,6 +149,8 @@ def depths_mm(sheet: ThickSheet, settings: JointSettings) -> FloatArray:
         return np.zeros(len(back.axis_mm))
     depth = settings.depth_mm if settings.joint == "dovetail" else strap_mm(settings)
     face = np.maximum(back.at(levels.low), back.at(min(levels.roof, levels.high)))
+    knuckled = sheet.knuckles.creases  # whose tongues go through
+    face[knuckled] = np.maximum(face[knuckled], back.at(levels.high)[knuckled])
     return np.where(np.isfinite(face), face, 0.0) + max(depth, strap_mm(settings))
 
 
@@ -172,12 +175,7 @@ def places(
     low, high = web[0] + plan.mouth / 2, web[1] - plan.mouth / 2
     if high < low or room.is_empty:
         return np.empty(0)
-    far = 2 * (high - low) + 2 * plan.width
-    outside = np.array([[-far, -far], [high + far, -far], [high + far, face], [-far, face]])
-    outside[2:, 1] += ROUNDING_MM
-    rim = shapely.union_all(
-        [shapely.difference(shapely.boundary(room), shapely.Polygon(frame.out(outside))), *taken]
-    )
+    rim = rim_of(frame, room, taken, face)
 
     def free(x: FloatArray) -> FloatArray:  # the places among x that have room
         shift = np.stack([x, np.zeros(len(x))], axis=1)
@@ -201,3 +199,19 @@ def places(
     middles = free(np.concatenate(chosen))
     apart = np.concatenate([[True], np.diff(middles) >= plan.width + plan.wall - ROUNDING_MM])
     return np.asarray(middles[apart])
+
+
+def rim_of(
+    frame: Frame, room: shapely.Geometry, taken: Sequence[shapely.Polygon], face: float
+) -> shapely.Geometry:
+    """What pockets keep away from: the rim of their panel but for the side at the crease.
+
+    room, taken, face : as in `places`.
+    """
+    x = frame.x(shapely.get_coordinates(room))
+    far = float(np.ptp(x)) + 1.0
+    low, high = float(x.min()) - far, float(x.max()) + far
+    outside = np.array([[low, -far], [high, -far], [high, face], [low, face]])
+    outside[2:, 1] += ROUNDING_MM
+    inner = shapely.difference(shapely.boundary(room), shapely.Polygon(frame.out(outside)))
+    return shapely.union_all([inner, *taken])

@@ -168,7 +168,7 @@ def make_plates(
     _, rank = assembly_order(owner[pattern.edges_faces[inner]], len(sets))
     owner = np.where(owner >= 0, rank[owner], -1)
     joints, findings = make_joints(sheet, _cuts(pattern.edges_faces, inner, owner), settings.joints)
-    whole, homes = jointed(sheet, joints, settings.joints)
+    whole, homes = jointed(sheet, joints, settings.joints, owner)
 
     def placed(done: int, total: int) -> None:
         progress(pattern.face_count + pattern.face_count * done // total, steps)
@@ -285,7 +285,7 @@ def _outlines(
     for part in range(int(faces_part.max(initial=-1)) + 1):
         faces = [shapely.Polygon(rings[face]) for face in np.flatnonzero(faces_part == part)]
         reach = [
-            shapely.MultiPoint(np.concatenate([joint.mouths, joint.tongues], 1).reshape(-1, 2))
+            shapely.MultiPoint(_reached(joint))
             for joint in (joints[number] for number in np.flatnonzero(joint_parts == part).tolist())
         ]
         figure = shapely.union_all([*faces, *shapely.convex_hull(reach)], grid_size=_GRID_MM)
@@ -293,6 +293,12 @@ def _outlines(
         whole = figure if isinstance(figure, shapely.Polygon) else shapely.convex_hull(figure)
         out.append(whole)
     return out
+
+
+def _reached(joint: Joint) -> FloatArray:
+    """Corners of what the part with the tongues of a joint reaches out to, shape (n, 2)."""
+    rings = np.concatenate([joint.mouths, joint.tongues], axis=1).reshape(-1, 2)
+    return np.concatenate([rings, joint.beyond])
 
 
 def _round(value: float) -> float:

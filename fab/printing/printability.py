@@ -150,7 +150,7 @@ def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
                 Severity.ERROR,
                 f"the flat print needs {long:.4g} x {short:.4g} mm, the printer has {room[1]:g} x "
                 f"{room[0]:g} within its margins. Scale it to {min(room / box):.3g} of "
-                "its size at most, or choose web hinges: such sheets are printed in parts.",
+                "its size at most, or let `thicken` print it in parts.",
             )
         )
     height = float(np.ptp(coords[:, 2]))
