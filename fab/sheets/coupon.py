@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from pydantic import ValidationError
@@ -67,9 +68,16 @@ def coupon(machine: Machine, material: Material, names: tuple[str, str] | None =
     """
     perforation = perforation_for(machine, material)
     styles = {Operation.MOUNTAIN: perforation.mountain, Operation.VALLEY: perforation.valley}
-    comb = _comb(machine.beam.widest_mm, material.thickness_mm)
+    beam, thickness = machine.beam, material.thickness_mm
+    comb = (
+        _comb(beam.x_mm, thickness)
+        if beam.is_round
+        else _above([_comb(beam.y_mm, thickness, "y"), _comb(beam.x_mm, thickness, "x")])
+    )
     stock, cutter = names or (material.description, machine.description)
     texts = [f"{stock} on {cutter}.", *_instructions(styles)]
+    if not beam.is_round:
+        texts.append("Upright slots give the kerf along y, the others that along x.")
     room = machine.room_mm
     size = (0.0, 0.0)
     for shares in _TABLES:
@@ -211,27 +219,35 @@ def _text(text: str, height_mm: float, middle: float) -> Layer:
     return Layer(Operation.ENGRAVE, chains=text_lines(text, height_mm, (middle, _LETTER_MM), 0.0))
 
 
-def _comb(kerf_mm: float, thickness_mm: float) -> _Block:
+def _comb(kerf_mm: float, thickness_mm: float, axis: Literal["", "x", "y"] = "") -> _Block:
     """Slots for the tab, each shorter than the last by twice a step of kerf, and the tab.
 
     A slot of length L comes out as L + kerf, a tab of width w as w - kerf: it fits where
     kerf = (w - L) / 2. Sheets thinner than two kerfs are held by slits.
+
+    axis : the one along which slots and the width of the tab are, where kerfs differ; otherwise
+        slots are upright, and so is the tab.
     """
     step = max(0.02, round(kerf_mm / 4, 2))
     wide = thickness_mm if thickness_mm > 2 * kerf_mm and thickness_mm >= 1 else 0.0
     slits, slots, words = [], [], []
-    pitch = max(8.0, wide + 6.0)
+    pitch = max(_TAB_MM if axis == "x" else 2.0, wide) + 6.0
     for i in range(_SLOTS):
         kerf = i * step
         x, length = i * pitch + 3.0, _TAB_MM - 2 * kerf
         low = 2 * _LETTER_MM
+        along = np.array([length, 0.0] if axis == "x" else [0.0, length])
+        across = np.array([0.0, wide] if axis == "x" else [wide, 0.0])
+        begin = np.array([x, low])
         if wide:
-            high = low + length
-            slots.append(np.array([[x, low], [x + wide, low], [x + wide, high], [x, high]]))
+            ring = np.array([begin, begin + across, begin + across + along, begin + along])
+            slots.append(ring[::-1] if axis != "x" else ring)
         else:
-            slits.append([[x, low], [x, low + length]])
-        words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x))
-    tab = _tab_outline() + np.array([_SLOTS * pitch + _SPACE_MM, 1.0])
+            slits.append([begin, begin + along])
+        words.append(_text(f"{kerf:.2f}", _LETTER_MM * 0.8, x + along[0] / 2))
+    tab = _tab_outline()
+    tab = tab[::-1, ::-1] if axis == "y" else tab  # its width along y
+    tab = tab + np.array([_SLOTS * pitch + _SPACE_MM, 1.0])
     cut = Layer(Operation.CUT, np.array(slits, np.float64).reshape(-1, 2, 2), (tab,))
     holes = Layer(Operation.HOLE, outlines=tuple(slots))
     size = (float(tab[:, 0].max()), max(float(tab[:, 1].max()), 2 * _LETTER_MM + _TAB_MM))

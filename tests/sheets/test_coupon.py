@@ -12,6 +12,7 @@ from fab.drawings.cut_paths import Operation
 from fab.drawings.drawing_files import USUAL, DrawingStyle, drawing_files
 from fab.drawings.dxf import DxfVersion, dxf_bytes
 from fab.drawings.layer_colours import Colour, Colours
+from fab.geometry.rings import is_hole
 from fab.sheets.coupon import coupon
 from fab.sheets.crease_styles import DotStyle
 from fab.sheets.materials import load_machine, load_material
@@ -162,3 +163,20 @@ def test_the_card_says_what_it_is_and_tongues_are_one_cut_each():
     letters = shapely.union_all([shapely.LineString(line) for line in by[Operation.ENGRAVE].chains])
     rest = [lines(layer) for layer in card.layers if layer.operation is not Operation.ENGRAVE]
     assert letters.distance(shapely.union_all(shapely.linestrings(np.concatenate(rest)))) > 0.2
+
+
+def test_a_beam_wider_along_an_axis_has_a_comb_for_each():
+    machine = load_machine("co2_60w_600x400").model_copy(update={"kerf_mm": (0.16, 0.32)})
+    by = {layer.operation: layer for layer in coupon(machine, load_material("plywood_3mm")).layers}
+    slots, tabs = by[Operation.HOLE].outlines, by[Operation.CUT].outlines[:2]
+    assert len(slots) == 18
+    for axis, kerf in ((0, 0.16), (1, 0.32)):
+        # the tongue of a tab is what sticks out from its handle, 10 mm wide along the axis
+        own = [slot for slot in slots if np.ptp(slot, axis=0)[axis] > 5]
+        tab = next(tab for tab in tabs if np.ptp(tab, axis=0)[axis] > np.ptp(tab, axis=0)[1 - axis])
+        far = tab[:, 1 - axis] == tab[:, 1 - axis].max()
+        width = np.ptp(tab[far, axis])
+        kerfs = (width - np.array([np.ptp(slot[:, axis]) for slot in own])) / 2
+        assert len(own) == 9
+        assert kerfs == pytest.approx(np.arange(9) * kerf / 4)
+        assert all(is_hole(slot) for slot in own)

@@ -11,7 +11,7 @@ import shapely
 from click.testing import CliRunner
 from flat_patterns import grid
 from helpers import PATTERNS
-from machine_readers import lengths_by_tool, read_grbl, read_lightburn
+from machine_readers import lengths_by_tool, read_grbl, read_lightburn, read_plotter
 from pypdf import PdfReader
 from shared_cases import shared_case
 
@@ -29,8 +29,9 @@ from fab.sheets.sheet_request import SheetRequest
 from solver import InvalidState, InvalidValue
 
 POWERS = Powers(cut_percent=80, perforate_percent=60, score_percent=15, engrave_percent=12.5)
-EVERY = [SheetFormat(kind) for kind in ("dxf", "svg", "pdf", "lbrn2", "gcode")]
+EVERY = [SheetFormat(kind) for kind in ("dxf", "svg", "pdf", "lbrn2", "plt", "gcode")]
 KERF = 0.15
+TOOLS = {"ENGRAVE": "1", "MOUNTAIN": "2", "VALLEY": "3", "RELIEF": "4", "CUT": "5", "HOLE": "6"}
 
 
 def request_of(formats=(SheetFormat.DXF,), of=None, registration=None, **wishes):
@@ -127,6 +128,9 @@ def test_all_formats_and_the_report_have_the_same_lengths_whatever_is_wished(pat
     for kind, by_layer in found.items():
         by_layer = {layer: length for layer, length in by_layer.items() if length}
         assert by_layer == pytest.approx(lengths, abs=1e-3), kind
+    plot = lengths_by_tool(read_plotter(made.files["sheet_1.plt"]).strokes)
+    by_tool = {TOOLS[layer]: length for layer, length in lengths.items()}
+    assert plot == pytest.approx(by_tool, rel=5e-2)  # in units of 0.025 mm, slots of 0.2 mm
     through = {layer: own for layer, own in dxf.items() if layer != "ENGRAVE"}
     assert sheet["pierces"] == sum(map(len, through.values()))
     creases = sum(lengths.get(layer, 0.0) for layer in ("MOUNTAIN", "VALLEY"))
