@@ -7,7 +7,8 @@
 | run a job | `load_job`, `parse_job`, `make`; `write` what was `Made` |
 | make files of a folded quad mesh | `from_mesh`, a `Sheet`: `sheet.write("out", ["dxf", "fold"])` |
 | read a crease pattern | `read_pattern`, with `ReadOptions`; `read_any` and `convert` |
-| cut it | `fabricate` a `SheetRequest`, with `load_material` and `load_machine` |
+| cut it | `fabricate` a `SheetRequest`, of `CutterSettings`, or `load_material`, `load_machine` |
+| cut several together | `fabricate_together` some `PatternCopies` |
 | fold it | `simulate`, with `FoldSettings`; `rigid_motion`, with flat faces |
 | see it grow and fold | `animate` |
 | run many variations of a job | `sweep` |
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
     from fab.jobs.job_files import Format, Sheet, from_mesh, make
     from fab.jobs.print_files import make_thick
     from fab.jobs.reading import read_any, read_pattern
-    from fab.jobs.sheet_files import fabricate
+    from fab.jobs.sheet_files import fabricate, fabricate_together
     from fab.outputs import Made, write
     from fab.panels.bevelled_panels import PanelSettings
     from fab.panels.cad_assembly import assembly, pose
@@ -62,6 +63,8 @@ if TYPE_CHECKING:
     from fab.panels.thick_sheet import thicken
     from fab.pattern.crease_pattern import CreasePattern
     from fab.printing.thick_settings import thick_settings
+    from fab.sheets.cut_pieces import PatternCopies
+    from fab.sheets.cutter_settings import CutterSettings
     from fab.sheets.materials import load_machine, load_material
     from fab.sheets.sheet_request import SheetRequest
     from fab.sweeps.sweep_run import sweep
@@ -70,6 +73,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CreasePattern",
+    "CutterSettings",
     "Finding",
     "FoldSettings",
     "Format",
@@ -79,6 +83,7 @@ __all__ = [
     "Job",
     "Made",
     "PanelSettings",
+    "PatternCopies",
     "ReadOptions",
     "Severity",
     "Sheet",
@@ -88,6 +93,7 @@ __all__ = [
     "assembly",
     "convert",
     "fabricate",
+    "fabricate_together",
     "from_mesh",
     "load_job",
     "load_machine",
@@ -110,6 +116,7 @@ __all__ = [
 # The module of each name.
 _MODULES = {
     "CreasePattern": "fab.pattern.crease_pattern",
+    "CutterSettings": "fab.sheets.cutter_settings",
     "Finding": "fab.errors",
     "FoldSettings": "fab.folding.fold_settings",
     "Format": "fab.jobs.job_files",
@@ -119,6 +126,7 @@ _MODULES = {
     "Job": "fab.jobs.job",
     "Made": "fab.outputs",
     "PanelSettings": "fab.panels.bevelled_panels",
+    "PatternCopies": "fab.sheets.cut_pieces",
     "ReadOptions": "fab.formats.read_options",
     "Severity": "fab.errors",
     "Sheet": "fab.jobs.job_files",
@@ -127,6 +135,7 @@ _MODULES = {
     "assembly": "fab.panels.cad_assembly",
     "convert": "fab.jobs.conversion",
     "fabricate": "fab.jobs.sheet_files",
+    "fabricate_together": "fab.jobs.sheet_files",
     "from_mesh": "fab.jobs.job_files",
     "load_job": "fab.jobs.job",
     "load_machine": "fab.sheets.materials",
