@@ -43,6 +43,8 @@ from solver.vectors import FloatArray
 
 __all__ = ["guide_of"]
 
+# What bounds a piece: its outline and its holes.
+_OUTLINES = (Operation.HOLE, Operation.CUT)
 # Placements that differ by less are alike, mm and of turns.
 _DECIMALS = 6
 # Of more creases it is not sought whether they fold rigidly, which may take seconds.
@@ -193,7 +195,7 @@ def _points(pattern: CreasePattern, cut: CutPattern, before: int) -> tuple[Point
 
 def _cut_piece(pattern: CreasePattern, piece: Piece, layers: Sequence[Layer]) -> CutPiece:
     rings = tuple(
-        ring for layer in layers if layer.operation is Operation.CUT for ring in layer.outlines
+        ring for layer in layers if layer.operation in _OUTLINES for ring in layer.outlines
     )
     own = piece.pattern
     count = int((piece.faces >= 0).sum())

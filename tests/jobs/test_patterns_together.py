@@ -16,10 +16,12 @@ from fab.cli.group import main
 from fab.drawings.drawing_files import SheetFormat
 from fab.errors import Finding, Severity
 from fab.formats.fold.writer import fold_bytes
+from fab.jobs.assembly_files import guide_of
 from fab.jobs.sheet_files import fabricate, fabricate_together
 from fab.pattern.side_by_side import side_by_side
 from fab.sheets.cut_pieces import PatternCopies
 from fab.sheets.cutter_settings import CutterSettings
+from fab.sheets.sheet_drawings import sheet_drawings
 from solver.errors import InvalidValue
 
 STOCK = {"material": "card_300gsm", "machine": "co2_40w_300x200"}
@@ -184,3 +186,14 @@ def test_priority_of_nothing_is_refused():
 def test_every_finding_is_told_once():
     made = fabricate_together([PatternCopies("m", strips(0.05, 2, 3))], "m", requested())
     assert len(set(made.findings)) == len(made.findings) > 1
+
+
+def test_guides_weigh_pieces_without_their_holes():
+    """A ring of eight squares of 30 mm, whose outline and hole are half a kerf off."""
+    wanted, request = [PatternCopies("ring", grid(3, 3, 30.0, without=[(1, 1)]))], requested()
+    made = sheet_drawings(wanted, "ring", request)
+    guide = guide_of(wanted, "ring", request, made, made_by="quadfold fabricate")
+    kerf = request.machine.beam.widest_mm
+    area = (90 + kerf) ** 2 - (30 - kerf) ** 2
+    mass = f"{request.material.grams_per_m2 * area / 1e6:.3g} g"
+    assert dict(guide.blocks[0].rows)["Mass"] == mass
