@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from fab.drawings.cut_paths import Layer, Operation
-from fab.errors import counted
+from fab.errors import Finding, Severity, counted
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.layout.nesting import Placements
 from fab.pattern.closing_edges import folded_by_angles
@@ -41,7 +41,7 @@ from fab.viewing.leaflet import Leaflet
 from solver.errors import OrigamiError
 from solver.vectors import FloatArray
 
-__all__ = ["guide_of"]
+__all__ = ["caution", "guide_of"]
 
 # What bounds a piece: its outline and its holes.
 _OUTLINES = (Operation.HOLE, Operation.CUT)
@@ -59,12 +59,13 @@ def guide_of(
     made: SheetDrawings,
     *,
     made_by: str,
+    findings: Sequence[Finding] = (),
     upright: bool = False,
 ) -> Leaflet:
     """How the pieces of some patterns, which are cut together, are put together.
 
-    made : their sheets. made_by : the command, such as "quadfold fabricate". upright : whether z is
-    up in their folded forms.
+    made : their sheets. made_by : the command, such as "quadfold fabricate". findings : of all that
+    is made. upright : whether z is up in their folded forms.
     """
     models = []
     first, total = 0, sum(len(cut.pieces.pieces) for cut in made.cut)
@@ -78,7 +79,18 @@ def guide_of(
     facts = tuple(_facts(request, made.report))
     cutting = tuple(_cutting(request, made.report))
     face_down = request.wishes.mirror
-    return assembly_guide(Assembly(name, made_by, tuple(models), sheets, facts, cutting, face_down))
+    return assembly_guide(
+        Assembly(name, made_by, tuple(models), sheets, facts, cutting, face_down, caution(findings))
+    )
+
+
+def caution(findings: Sequence[Finding]) -> str:
+    """What is to be read first where findings are errors."""
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    if not errors:
+        return ""
+    codes = ", ".join(dict.fromkeys(finding.code for finding in errors))
+    return f"Do not make it as it is: the report has {counted(len(errors), 'error')} ({codes})."
 
 
 def _cutting(request: SheetRequest, report: Mapping[str, Any]) -> list[str]:

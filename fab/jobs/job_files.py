@@ -407,6 +407,7 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
             patterns = [PatternCopies(settings.name, sheet.pattern)]
             made = sheet_drawings(patterns, settings.name, request, clock.progress)
         files = dict(made.files)
+        found = [*(each for cut in made.cut for each in cut.findings), *made.findings]
         guide = None
         if guided or Format.HTML in wanted:
             from fab.jobs.assembly_files import guide_of
@@ -418,13 +419,14 @@ def _drawings(sheet: Sheet, wanted: Collection[Format], clock: Clock) -> _Part:
                     request,
                     made,
                     made_by="quadfold run",
+                    findings=found,
                     upright=sheet.upright,
                 )
                 if guided:
                     files |= assembly_file(guide, settings.name)
         return _Part(
             files,
-            [*(found for cut in made.cut for found in cut.findings), *made.findings],
+            found,
             {key: value for key, value in made.report.items() if key != "name"},
             paths=made.paths,
             colours=request.machine.colours,

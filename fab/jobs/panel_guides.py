@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import shapely
 
-from fab.errors import counted
+from fab.errors import Finding, counted
+from fab.jobs.assembly_files import caution
 from fab.panels.hinges import crease_kinds
 from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.crease_pattern import CreasePattern
@@ -36,11 +37,13 @@ def panel_guide_of(
     figures: Mapping[str, Any],
     *,
     made_by: str,
+    findings: Sequence[Finding] = (),
 ) -> Leaflet:
     """How thick panels are printed, joined and folded.
 
     plates : where the sheet is printed in parts. scene : of its bodies. state : the last one that
     panels reach. figures : of the report, for their mass. made_by : the command.
+    findings : of all that is made.
     """
     pattern = sheet.pattern
     pieces = _parts(sheet, plates)
@@ -64,7 +67,15 @@ def panel_guide_of(
     )
     printed = () if plates is None else _plates(plates)
     stock = tuple(_stock(sheet, print_with))
-    assembly = Assembly(name, made_by, (model,), printed, stock, tuple(_printing(figures)))
+    assembly = Assembly(
+        name,
+        made_by,
+        (model,),
+        printed,
+        stock,
+        tuple(_printing(figures)),
+        caution=caution(findings),
+    )
     panels = tuple(int(face) for face in np.unique(sheet.panels.faces))
     return panel_guide(assembly, scene, hinges, state, panels)
 

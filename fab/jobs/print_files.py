@@ -189,6 +189,7 @@ def thick_files(
                 print_with,
                 checked.figures,
                 made_by=made_by,
+                findings=findings,
             )
             if ThickFormat.ASSEMBLY in formats:
                 from fab.viewing.leaflet_pdf import leaflet_pdf_bytes

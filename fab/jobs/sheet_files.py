@@ -113,7 +113,9 @@ def fabricate_together(
         progress("assembly", 0, 1)
         from fab.jobs.assembly_files import guide_of
 
-        guide = guide_of(patterns, name, request, made, made_by="quadfold fabricate")
+        guide = guide_of(
+            patterns, name, request, made, made_by="quadfold fabricate", findings=every
+        )
     if request.guide and guide is not None:
         files |= assembly_file(guide, name)
     if request.page:

@@ -138,6 +138,7 @@ def test_the_flat_map_has_each_number_at_its_seam_and_the_pattern_at_its_scale(k
     pattern, made, guide, _ = model(kind)
     sketch = flat_map(guide)
     scale = scale_of(sketch)
+    assert ("lie over each other" in sketch.caption) == (kind == "over itself")
     seams = made.cut[0].pieces.seams
     sides = [(seam, edge) for seam in seams for edge in dict.fromkeys(seam.edges)]
     numbers = seam_numbers(sketch)

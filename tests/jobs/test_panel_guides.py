@@ -11,6 +11,7 @@ from pypdf import PdfReader
 
 from fab import read_pattern
 from fab.cli.group import main
+from fab.errors import Severity
 from fab.jobs.file_names import THICK, left_over
 from fab.jobs.print_files import ThickFormat, make_thick
 from fab.panels.bevelled_panels import PanelSettings
@@ -95,6 +96,16 @@ def test_hinges_with_pins_are_told_and_the_page_has_the_guide_too():
     section = page.split('<h2 id="assembly">')[1].split("</section>")[0]
     assert "Push a pin through the barrels of each crease" in section
     assert "<td>knuckle</td>" in section
+
+
+def test_what_must_not_be_made_as_it_is_says_so_first(divided):
+    _, result = divided
+    codes = {f.code for f in result.findings if f.severity is Severity.ERROR}
+    assert codes == {"solids-overlap"}
+    assert re.match(r"twist: panels Do not make it as it is: the report has 2 errors", read(result))
+    _, fine = made(160.0, "panels.thickness_mm=0.6", "panels.gap_mm=1.5")
+    assert fine.within_tolerance
+    assert "Do not make it" not in read(fine)
 
 
 def test_the_print_pauses_where_the_report_says():

@@ -46,6 +46,8 @@ _AROUND = 0.2
 _MOST_APART, _FAR = 4, 0.4
 # Maps may reach beyond the pattern, over its size, and be so much wider than what they are about.
 _BEYOND, _WIDER = 0.01, 1.6
+# Pieces lie over each other where this share of them does.
+_LAID_OVER = 1e-3
 # Up to this many creases have their angles written beside them, in this size.
 _MOST_ANGLES, _ANGLE_MM = 60, 1.8
 # Numbers nearer than this to each other, over their size, cannot be read.
@@ -108,6 +110,9 @@ class FlatMaps:
         if self._crowded(plan, np.array([j.edges[0] for j in self.model.joints], np.int64)):
             marks = tuple(mark for mark in marks if not _is_number(mark))
             note = " Numbers of seams, which are too near each other here, are in the steps."
+        regions = np.concatenate([own.region for own in self._own])
+        if shapely.union_all(regions).area < (1 - _LAID_OVER) * shapely.area(regions).sum():
+            note += " Pieces lie over each other here: the last ones are on top."
         if lines > MOST_LINES:
             note += f" {lines} creases are not drawn here; the drawings have them all."
         caption = f"Upper side, scale {scale_text(plan.scale)}.{note}"

@@ -32,7 +32,7 @@ def assembly_guide(assembly: Assembly) -> Leaflet:
     Where several models are cut together, the sheets are first, then each model is on its own.
     """
     sheets = SheetMaps(assembly)
-    blocks: list[Block] = []
+    blocks: list[Block] = [Text(assembly.caution)] if assembly.caution else []
     if len(assembly.models) == 1:
         (model,) = assembly.models
         blocks.append(Facts((*assembly.facts, *model.facts)))

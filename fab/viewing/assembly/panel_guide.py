@@ -63,7 +63,8 @@ def panel_guide(
     """
     (model,) = assembly.models
     flat = FlatMaps(model)
-    blocks: list[Block] = [Facts((*assembly.facts, *model.facts))]
+    blocks: list[Block] = [Text(assembly.caution)] if assembly.caution else []
+    blocks.append(Facts((*assembly.facts, *model.facts)))
     blocks += [Heading("Folded"), Row(body_views(scene, model, state, _FORM_MM))]
     if assembly.sheets:
         blocks += [Heading("Plates"), *map_rows(assembly, SheetMaps(assembly))]

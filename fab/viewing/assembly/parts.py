@@ -176,6 +176,7 @@ class Assembly:
     facts : names and values of what is stated at the head. made_by : the command.
     cutting : sentences on what is to be done when the sheets are cut.
     face_down : whether they are cut face down.
+    caution : what is to be read before anything is made; empty where there is nothing.
     """
 
     name: str
@@ -185,3 +186,4 @@ class Assembly:
     facts: tuple[tuple[str, str], ...]
     cutting: tuple[str, ...] = ()
     face_down: bool = False
+    caution: str = ""
