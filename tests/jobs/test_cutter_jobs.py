@@ -25,7 +25,8 @@ from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.labels import number_text
 
 STOCK = {"material": "card_300gsm", "machine": "co2_40w_300x200"}
-JOB = {"name": "m", "design": {"kind": "miura"}, "sheet": {"width_mm": 250.0}}
+MIURA = {"kind": "miura", "columns": 6, "rows": 6}
+JOB = {"name": "m", "design": MIURA, "sheet": {"width_mm": 250.0}}
 DASHES = {"margin_mm": 1.0, "valley": {"cut_mm": 2.0, "gap_mm": 1.5}}
 
 
@@ -34,9 +35,14 @@ def engravings(layers):
 
 
 @pytest.mark.parametrize(
-    "keys", [{}, {"copies": 3, "sheets": 1}, {"two_sided": True}, {"machine": "knife_a3_roll"}]
+    ("keys", "perforation"),
+    [
+        ({}, {}),
+        ({"copies": 3, "sheets": 1}, DASHES),
+        ({"two_sided": True}, DASHES),
+        ({"machine": "knife_a3_roll", "grain_deg": 90.0}, {}),
+    ],
 )
-@pytest.mark.parametrize("perforation", [{}, DASHES])
 def test_a_job_makes_the_sheets_of_its_fold_file(tmp_path, keys, perforation):
     table = {**STOCK, **keys}
     job = parse_job({**JOB, "cutter": table, "perforation": perforation})
