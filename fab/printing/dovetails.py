@@ -166,7 +166,10 @@ def make_joints(
     refused = [
         joint for joint in joints if joint.kind != settings.joint and not filmed[joint.crease]
     ]
-    return joints, [*_taped_films(joints, filmed), *_findings(site, refused)]
+    return joints, [
+        *_taped_films(joints, filmed, embedded=sheet.hinge.embedded),
+        *_findings(site, refused),
+    ]
 
 
 def _of_knuckles(site: _Site, edge: int, taken: dict[int, list[shapely.Polygon]]) -> Joint:
@@ -194,14 +197,16 @@ def _of_knuckles(site: _Site, edge: int, taken: dict[int, list[shapely.Polygon]]
     return Joint(edge, "tape", (pinned, other), none, none, none, none, True, both)
 
 
-def _taped_films(joints: Sequence[Joint], filmed: BoolArray) -> list[Finding]:
+def _taped_films(joints: Sequence[Joint], filmed: BoolArray, *, embedded: bool) -> list[Finding]:
     edges = [joint.crease for joint in joints if filmed[joint.crease]]
     if not edges:
         return []
+    how = "tape the film below along each of them. The tape folds as the film does."
+    if embedded:
+        how = "glue a strip of film over each of these gaps, on the side that opens."
     text = (
         f"the film is cut along {counted(len(edges), 'crease', 'creases')} between parts: lay the "
-        "parts edge to edge, and tape the film below along each of them. The tape folds as the "
-        "film does."
+        f"parts edge to edge, and {how}"
     )
     return [Finding("film-taped", Severity.NOTE, text, creases=first_few(edges))]
 

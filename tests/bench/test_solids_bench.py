@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from flat_patterns import grid
 
 from fab.panels.bevelled_panels import PanelSettings
 from fab.panels.hinges import HingeSettings
@@ -175,3 +176,19 @@ def test_threemf_costs_little_more_than_its_bytes(benchmark):
     benchmark.pedantic(lambda: threemf_bytes(parts, "sheet"), rounds=3)
     assert max(figures["ratios"]) < 2
     assert exponent < 1.1
+
+
+def test_step_files_of_films_cost_as_much_for_each_face(benchmark):
+    """`relative_cost` is the cost of a face of 20 x 20 over that of 10 x 10 in the same run."""
+    hinge = HingeSettings(kind="film")
+    small, large = (thicken(grid(n, n, 20.0), PanelSettings(), hinge)[0] for n in (10, 20))
+    step_bytes(small, "small")  # OpenCASCADE is loaded
+    begin = time.process_time()
+    step_bytes(small, "small")
+    before = time.process_time() - begin
+    begin = time.process_time()
+    benchmark.pedantic(step_bytes, args=(large, "large"), rounds=1)
+    relative = (time.process_time() - begin) / (4 * before)
+    benchmark.extra_info.update(relative_cost=round(relative, 2))
+    print(f"\n400 faces on a film: {relative:.2f} of the cost of a face of 100")
+    assert relative < 2

@@ -94,7 +94,7 @@ def test_hinges_with_pins_are_told_and_the_page_has_the_guide_too():
     _, result = made(160.0, *changes, formats=[ThickFormat.HTML])
     page = result.files["twist_thick.html"].decode()
     section = page.split('<h2 id="assembly">')[1].split("</section>")[0]
-    assert "Push a pin through the barrels of each crease" in section
+    assert "turn each hinge to and fro until it is free" in section
     assert "<td>knuckle</td>" in section
 
 

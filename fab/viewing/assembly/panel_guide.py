@@ -25,7 +25,7 @@ _MOST_HINGES = 3000
 # What is done with each kind of hinge before the first fold.
 _HINGES = {
     "web": "Bend each web to and fro a few times, a little further each time.",
-    "knuckle": "Push a pin through the barrels of each crease, and shorten it at their ends.",
+    "knuckle": "Pins are printed in their barrels: turn each hinge to and fro until it is free.",
     "film": "The film holds the panels: bend it along each crease.",
 }
 
