@@ -6,7 +6,21 @@ from dataclasses import dataclass, field
 
 from fab.viewing.sketch import Sketch
 
-__all__ = ["Block", "Facts", "Heading", "Leaflet", "NewPage", "Row", "Step", "Table", "Text"]
+__all__ = [
+    "WIDTH_MM",
+    "Block",
+    "Facts",
+    "Heading",
+    "Leaflet",
+    "NewPage",
+    "Row",
+    "Step",
+    "Table",
+    "Text",
+]
+
+# Width of what is on its pages, of paper.
+WIDTH_MM = 184.0
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ Mountains, valleys and cuts are distinguished by the style of their lines, for p
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import shapely
@@ -16,27 +15,29 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fab.geometry.rings import by_size
-from fab.viewing.assembly.parts import Hold, Joint, Model
+from fab.viewing.assembly.map_clipping import rings_of, with_area, within_paper
+from fab.viewing.assembly.map_styles import (
+    DOT,
+    DRAWN,
+    OUTLINE_MM,
+    crease_lines,
+    seam_lines,
+    tab_lines,
+)
+from fab.viewing.assembly.parts import Joint, Model
 from fab.viewing.assembly.piece_colours import hex_colour, paler
 from fab.viewing.assembly.steps import numbers_text
-from fab.viewing.drawing import CREASE_INK
-from fab.viewing.sketch import Area, Lines, Mark, Plan, Sketch, Words, plan_of, scale_text
+from fab.viewing.sketch import Area, Mark, Plan, Sketch, Words, plan_of, scale_text
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["FlatMaps", "legend"]
+__all__ = ["FlatMaps"]
 
 # Of more creases a map would be all lines.
 MOST_LINES = 15_000
-_OUTLINE_MM, _SEAM_MM, _CREASE_MM, _TAB_MM = 0.3, 0.5, 0.22, 0.15
-_SEAM_INK, _TAB_INK, _PALE = "#000000", "#555555", 0.45
-_TAB_DASHES, _LEGEND_MM, _FACE_INK = (0.6, 0.4), 4.0, "#707070"
+_PALE, _FACE_INK = 0.45, "#707070"
 # Sizes of the font of numbers and of letters, mm, and of numbers over their distances.
 _NUMBERS, _LETTERS, _SPACING, _LETTER = (1.5, 2.6), (2.0, 11.0), 0.62, 0.9
-# Dashes are this share of creases, within bounds in mm.
-_DASH_SHARE, _DASHES = 1 / 3, (0.5, 2.4)
-_DRAWN = "FJUMVC"
 _SIMPLE_MM = 0.02
-_DOT = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 # Numbers of edges that are apart are so far from them, in sizes of their font.
 _BESIDE = 0.62
 # Around the seams of a step so much is shown, over their extent.
@@ -93,7 +94,7 @@ class FlatMaps:
         for a, b in pairwise(ends.tolist()):
             edges = within[order[a:b]]
             letters = pattern.edges_assignment[edges]
-            out.append({letter: edges[letters == letter] for letter in _DRAWN})
+            out.append({letter: edges[letters == letter] for letter in DRAWN})
         return out
 
     def whole(self, most_mm: tuple[float, float]) -> Sketch:
@@ -206,7 +207,7 @@ class FlatMaps:
         marks = self._marks(plan, pieces, pieces[-1:], labels, clipped=True)
         noun = self.model.seam.capitalize()
         caption = f"{noun if len(labels) == 1 else f'{noun}s'} {numbers_text(labels)}"
-        return Sketch(plan.size_mm, _within(marks, plan.size_mm), f"{caption}, upper side.")
+        return Sketch(plan.size_mm, within_paper(marks, plan.size_mm), f"{caption}, upper side.")
 
     def _joints(self, labels: Sequence[int]) -> list[Joint]:
         wanted = set(labels)
@@ -230,24 +231,24 @@ class FlatMaps:
         for number in pieces:
             own, colour = self._own[number], model.colours[number]
             fill = colour if number in strong else paler(colour, _PALE)
-            for rings in _rings(own.region, _SIMPLE_MM / plan.scale):
+            for rings in rings_of(own.region, _SIMPLE_MM / plan.scale):
                 on_paper = tuple(plan.on_paper(ring) for ring in rings)
-                marks.append(Area(on_paper, hex_colour(fill), "#000000", _OUTLINE_MM))
+                marks.append(Area(on_paper, hex_colour(fill), "#000000", OUTLINE_MM))
         if drawn <= MOST_LINES:
             edges = {
                 letter: np.concatenate([self._own[k].creases[letter] for k in pieces])
-                for letter in _DRAWN
+                for letter in DRAWN
             }
-            marks += _crease_lines(plan, coords, model.pattern.edges_vertices, edges)
+            marks += crease_lines(plan, coords, model.pattern.edges_vertices, edges)
         for number in pieces:
             tabs = [plan.on_paper(tab) for tab in model.pieces[number].tabs]
             if tabs:
                 sides = [np.stack([tab, np.roll(tab, -1, axis=0)], axis=1) for tab in tabs]
-                marks.append(Lines(np.concatenate(sides), _TAB_INK, _TAB_MM, _TAB_DASHES))
+                marks.append(tab_lines(np.concatenate(sides)))
         joints = self._joints(labels)
         seams = np.array([joint.edges for joint in joints], np.int64).ravel()
         lines = plan.on_paper(coords[model.pattern.edges_vertices[seams]])
-        marks.append(Lines(lines, _SEAM_INK, _SEAM_MM))
+        marks.append(seam_lines(lines))
         if drawn <= _MOST_ANGLES and not clipped and lettered:
             marks += self._angles(plan, pieces)
         if lettered:
@@ -268,7 +269,7 @@ class FlatMaps:
             middle, radius = own.middle, own.radius
             if clipped:
                 seen = shapely.intersection(own.region, shapely.box(*corners.ravel()))
-                parts = _with_area(seen)
+                parts = with_area(seen)
                 if not len(parts):
                     continue
                 middle, radius = _room(parts)
@@ -322,7 +323,7 @@ class FlatMaps:
         at = plan.on_paper(self.model.pattern.vertices_coords[vertices])
         size = _number_size(at)
         texts = [point.text for point in self.model.points for _ in range(2)]
-        dots = at[:, None] + 0.3 * size * _DOT
+        dots = at[:, None] + 0.3 * size * DOT
         marks: list[Mark] = [Area((dot,), "#000000") for dot in dots]
         marks += [
             Words(text, (x + 0.5 * size, y), size, across="start", backing="#ffffff")
@@ -333,75 +334,6 @@ class FlatMaps:
 
 def _is_number(mark: Mark) -> bool:
     return isinstance(mark, Words) and mark.text.isdigit()
-
-
-def legend(letters: Sequence[str], model: Model, width_mm: float) -> Sketch:
-    """What the lines of maps mean."""
-    names = {
-        "M": "mountain: fold away from you",
-        "V": "valley: fold towards you",
-        "F": "flat, not folded",
-        "J": "flat, not folded",
-        "U": "crease without direction",
-        "C": "cut",
-    }
-    shown = [(letter, names[letter]) for letter in "MVFJUC" if letter in letters]
-    if model.joints:
-        shown.append(("", f"{model.seam}, with its number"))
-    if any(len(piece.tabs) for piece in model.pieces):
-        tongues = any(joint.hold is Hold.TONGUE for joint in model.joints)
-        shown.append(("t", "tongue" if tongues else "tab"))
-    if model.points:
-        shown.append(("p", "point that is glued, with its number"))
-    marks: list[Mark] = []
-    x, row = 0.0, 0
-    placed = []
-    for letter, name in shown:
-        wide = 19.0 + 1.38 * len(name)
-        if x + wide > width_mm and x > 0:
-            x, row = 0.0, row + 1
-        placed.append((letter, name, x, row))
-        x += wide
-    height = _LEGEND_MM * (row + 1)
-    for letter, name, x, row in placed:
-        y = height - _LEGEND_MM * (row + 0.5)
-        line = np.array([[[x, y], [x + 12.0, y]]])
-        if letter == "":
-            marks.append(Lines(line, _SEAM_INK, _SEAM_MM))
-        elif letter == "p":
-            marks.append(Area((line[0, 1] + 0.6 * _DOT,), "#000000"))
-        elif letter == "t":
-            marks.append(Lines(line, _TAB_INK, _TAB_MM, _TAB_DASHES))
-        else:
-            marks.append(_styled(line, letter, _DASHES[1]))
-        marks.append(Words(name, (x + 13.5, y), 2.5, across="start"))
-    return Sketch((width_mm, height), tuple(marks))
-
-
-def _styled(lines: FloatArray, letter: str, dash_mm: float) -> Lines:
-    """Creases in the style of their letter."""
-    colour = CREASE_INK[letter]
-    if letter == "M":
-        gap = max(0.3 * dash_mm, 0.25)
-        return Lines(lines, colour, 1.2 * _CREASE_MM, (dash_mm, gap, 0.15 * dash_mm, gap))
-    if letter == "V":
-        return Lines(lines, colour, _CREASE_MM, (0.5 * dash_mm, max(0.35 * dash_mm, 0.25)))
-    if letter == "C":
-        return Lines(lines, "#000000", _OUTLINE_MM)
-    if letter == "U":
-        return Lines(lines, colour, _CREASE_MM)
-    return Lines(lines, "#888888", 0.6 * _CREASE_MM, (0.2, 0.6))
-
-
-def _crease_lines(
-    plan: Plan, coords: FloatArray, edges_vertices: IntArray, edges: dict[str, IntArray]
-) -> list[Lines]:
-    lines = {k: plan.on_paper(coords[edges_vertices[each]]) for k, each in edges.items()}
-    folded = np.concatenate([lines["M"], lines["V"]])
-    lengths = np.hypot(*(folded[:, 1] - folded[:, 0]).T)
-    usual = float(np.median(lengths)) if len(lengths) else _DASHES[1]
-    dash = float(np.clip(_DASH_SHARE * usual, *_DASHES))
-    return [_styled(lines[letter], letter, dash) for letter in _DRAWN if len(lines[letter])]
 
 
 def _number_size(at: FloatArray) -> float:
@@ -419,7 +351,7 @@ def _own(faces: NDArray[np.object_], creases: dict[str, IntArray]) -> _Own:
             raise shapely.GEOSException("faces that overlap")
     except shapely.GEOSException:
         whole = shapely.union_all(shapely.make_valid(faces))
-    parts = _with_area(whole)
+    parts = with_area(whole)
     return _Own(parts, *_room(parts), creases)
 
 
@@ -429,23 +361,6 @@ def _room(parts: NDArray[np.object_]) -> tuple[FloatArray, float]:
     coarse = 0.05 * float(np.sqrt(largest.area))
     disk = shapely.maximum_inscribed_circle(largest, tolerance=coarse)
     return shapely.get_coordinates(disk)[0], float(shapely.length(disk))
-
-
-def _with_area(shapes: Any) -> NDArray[np.object_]:
-    """Polygons among the parts of shapes."""
-    parts = np.atleast_1d(shapely.get_parts(shapes))
-    out: NDArray[np.object_] = parts[shapely.area(parts) > 0]
-    return out
-
-
-def _rings(region: NDArray[np.object_], tolerance: float) -> list[tuple[FloatArray, ...]]:
-    """Rings of polygons, each with its holes."""
-    simple = shapely.simplify(region, tolerance)
-    return [
-        tuple(shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors))
-        for polygon in simple
-        if not polygon.is_empty
-    ]
 
 
 def _filling(
@@ -463,35 +378,3 @@ def _filling(
     corner = np.clip((low + high - span) / 2, first, last - span)
     width, height = (span * scale).tolist()
     return Plan(scale, -corner * scale, (width, height))
-
-
-def _within(marks: Sequence[Mark], size_mm: tuple[float, float]) -> tuple[Mark, ...]:
-    """What of marks is on the paper of a sketch."""
-    paper = shapely.box(0, 0, *size_mm)
-    out: list[Mark] = []
-    for mark in marks:
-        if isinstance(mark, Area):
-            region = shapely.Polygon(mark.rings[0], mark.rings[1:])
-            if not region.is_valid:
-                region = region.buffer(0)
-            for rings in _rings(_with_area(shapely.intersection(region, paper)), 0.0):
-                out.append(Area(rings, mark.fill))
-            if mark.edge is not None:
-                sides = [np.stack([r, np.roll(r, -1, axis=0)], axis=1) for r in mark.rings]
-                out.append(_clipped(Lines(np.concatenate(sides), mark.edge, mark.edge_mm), paper))
-        elif isinstance(mark, Lines):
-            out.append(_clipped(mark, paper))
-        elif isinstance(mark, Words):
-            x, y = mark.at
-            if 0 <= x <= size_mm[0] and 0 <= y <= size_mm[1]:
-                out.append(mark)
-        else:
-            out.append(mark)
-    return tuple(out)
-
-
-def _clipped(lines: Lines, paper: shapely.Polygon) -> Lines:
-    """What of lines is within a rectangle."""
-    within = shapely.intersection(shapely.linestrings(lines.segments), paper)
-    kept = within[shapely.get_num_coordinates(within) == 2]
-    return replace(lines, segments=shapely.get_coordinates(kept).reshape(-1, 2, 2))

@@ -4,19 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from fab.viewing.assembly.flat_maps import FlatMaps, legend
+from fab.viewing.assembly.flat_maps import FlatMaps
 from fab.viewing.assembly.form_views import FormViews
+from fab.viewing.assembly.map_styles import legend
 from fab.viewing.assembly.parts import Assembly, Model
 from fab.viewing.assembly.sheet_maps import SheetMaps, map_rows
 from fab.viewing.assembly.steps import fold_text, hold_text, written_steps
-from fab.viewing.leaflet import Block, Facts, Heading, Leaflet, NewPage, Row, Step, Table, Text
+from fab.viewing.leaflet import (
+    WIDTH_MM,
+    Block,
+    Facts,
+    Heading,
+    Leaflet,
+    NewPage,
+    Row,
+    Step,
+    Table,
+    Text,
+)
 from fab.viewing.scene_builders import laid_flat
 from fab.viewing.sketch import Sketch
 
 __all__ = ["assembly_guide"]
 
-# Width of the pages, mm, and sizes of what is on them.
-_WIDE = 184.0
+# Sizes of what is on the pages, mm.
 _SMALL, _FORM = (58.0, 52.0), (88.0, 68.0)
 _MANY_JOINTS = 40
 _MAP_MM, _STEP_FORM = (98.0, 74.0), (60.0, 44.0)
@@ -64,9 +75,12 @@ def _model(model: Model, views: FormViews | None, assembly: Assembly) -> list[Bl
     flat = FlatMaps(model)
     alone = 80.0 if views is not None else 96.0
     high = alone if single else 215.0 if len(model.joints) > _MANY_JOINTS else 130.0
-    blocks: list[Block] = [Heading("Flat pattern"), Row((flat.whole((_WIDE, high)),), joined=True)]
+    blocks: list[Block] = [
+        Heading("Flat pattern"),
+        Row((flat.whole((WIDTH_MM, high)),), joined=True),
+    ]
     letters = np.unique(model.pattern.edges_assignment).tolist()
-    blocks.append(Row((legend(letters, model, _WIDE),)))
+    blocks.append(Row((legend(letters, model, WIDTH_MM),)))
     blocks.append(Heading("Steps"))
     blocks += _steps(model, flat, None if single else views, assembly)
     if model.joints:

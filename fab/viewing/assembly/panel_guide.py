@@ -9,17 +9,17 @@ import numpy as np
 
 from fab.errors import counted
 from fab.viewing.assembly.body_views import body_views
-from fab.viewing.assembly.flat_maps import FlatMaps, legend
+from fab.viewing.assembly.flat_maps import FlatMaps
+from fab.viewing.assembly.map_styles import legend
 from fab.viewing.assembly.parts import Assembly, Hold, Joint, Model
 from fab.viewing.assembly.sheet_maps import SheetMaps, map_rows
 from fab.viewing.assembly.steps import fold_text, listed, numbers_text
-from fab.viewing.leaflet import Block, Facts, Heading, Leaflet, Row, Step, Table, Text
+from fab.viewing.leaflet import WIDTH_MM, Block, Facts, Heading, Leaflet, Row, Step, Table, Text
 from fab.viewing.scene import Scene
 
 __all__ = ["PanelHinge", "panel_guide"]
 
-_WIDE = 184.0
-_FORM_MM, _FLAT_MM, _MAP_MM = (88.0, 64.0), (_WIDE, 105.0), (98.0, 74.0)
+_FORM_MM, _FLAT_MM, _MAP_MM = (88.0, 64.0), (WIDTH_MM, 105.0), (98.0, 74.0)
 # Longer lists are left to the FOLD file and the names of bodies.
 _MOST_HINGES = 3000
 # What is done with each kind of hinge before the first fold.
@@ -75,7 +75,7 @@ def panel_guide(
     if plan is not None:
         blocks += [Heading("Hinges and panels"), Row((plan,), joined=True)]
     letters = np.unique(model.pattern.edges_assignment).tolist()
-    blocks.append(Row((legend(letters, model, _WIDE),)))
+    blocks.append(Row((legend(letters, model, WIDTH_MM),)))
     blocks.append(Heading("Steps"))
     blocks += _steps(assembly, model, flat, hinges, scene, state)
     if hinges:

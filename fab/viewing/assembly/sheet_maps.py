@@ -8,7 +8,7 @@ import shapely
 from fab.errors import counted
 from fab.viewing.assembly.parts import Assembly, CutSheet
 from fab.viewing.assembly.piece_colours import hex_colour, piece_colours
-from fab.viewing.leaflet import Block, Row
+from fab.viewing.leaflet import WIDTH_MM, Block, Row
 from fab.viewing.sketch import Area, Mark, Sketch, Words, plan_of, scale_text
 from solver.vectors import FloatArray
 
@@ -16,8 +16,6 @@ __all__ = ["SheetMaps", "map_rows"]
 
 _LETTERS = (1.6, 6.0)
 _SIMPLE_MM = 0.05
-# Width of pages, mm.
-_WIDE = 184.0
 
 
 class SheetMaps:
@@ -60,7 +58,7 @@ def map_rows(assembly: Assembly, maps: SheetMaps) -> list[Block]:
     """Maps of all sheets, side by side, smaller where there are many."""
     count = len(assembly.sheets)
     across = 2 if count <= 4 else 3 if count <= 12 else 4
-    most = (_WIDE / across - 3.0, 70.0 if across == 2 else 50.0)
+    most = (WIDTH_MM / across - 3.0, 70.0 if across == 2 else 50.0)
     drawn = [maps.map(sheet, most) for sheet in assembly.sheets]
     return [Row(tuple(drawn[k : k + across])) for k in range(0, count, across)]
 
