@@ -158,7 +158,7 @@ def thick_files(
     checked, found = _checked(sheet, states, settings, print_with, clock, limit_given=not limited)
     findings += found
     plates: Plates | None = None
-    if print_with.printer is not None and _divisible(findings):
+    if print_with.printer is not None and _divisible(settings, findings):
         with clock.stage("plates") as step:
             if settings.hinges.anchor_mm > 0:  # joints have the place of dovetails
                 butted = settings.hinges.model_copy(update={"anchor_mm": 0.0})
@@ -345,9 +345,10 @@ def _files(
     return data, [finding for surface in surfaces.values() for finding in inspect_stl(surface)]
 
 
-def _divisible(findings: Sequence[Finding]) -> bool:
-    """Whether a sheet is too large for its bed."""
-    return any(finding.code == "print-too-large" for finding in findings)
+def _divisible(settings: ThickSettings, findings: Sequence[Finding]) -> bool:
+    """Whether a sheet is too large for its bed; around an embedded film no parts are joined."""
+    large = any(finding.code == "print-too-large" for finding in findings)
+    return large and not settings.hinges.embedded
 
 
 def _butted() -> Finding:

@@ -91,6 +91,11 @@ class HingeSettings(Settings):
         description="gap around a pin, between barrels, and from barrels to the other panel. "
         "The least gap of the printer where left out",
     )
+    snap: bool = Field(
+        default=False,
+        description="barrels are open at the top, so that panels snap off their pins and on again. "
+        "Slots are narrower than pins by half of play_mm",
+    )
     wall_mm: float = Field(
         default=0.6, ge=0.01, le=1000, description="least wall around the hole of a barrel or panel"
     )
@@ -157,6 +162,13 @@ def _misfits(panel: PanelSettings, hinge: HingeSettings) -> Iterator[str]:
     """Everything about panels and hinges that does not go together, as messages for the user."""
     thickness, kinds = panel.thickness_mm, set(hinge.kinds)
     low, high = panel.heights_mm
+    if hinge.snap and "knuckle" not in kinds:
+        yield "hinges.snap = true without knuckles: set hinges.kind = knuckle, or leave snap out"
+    if hinge.snap and hinge.play_mm > hinge.pin_mm / 2:
+        yield (
+            f"hinges.play_mm = {hinge.play_mm:g} must be at most half of hinges.pin_mm = "
+            f"{hinge.pin_mm:g} for barrels that snap on. Raise pin_mm"
+        )
     if "film" in kinds and len(kinds) > 1:
         yield (
             f"hinges.kind = film with other hinges ({', '.join(sorted(kinds - {'film'}))}) on some "

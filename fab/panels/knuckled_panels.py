@@ -22,7 +22,7 @@ from fab.panels.knuckles import Knuckles
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import FloatArray, IntArray, norm
 
-__all__ = ["with_knuckles"]
+__all__ = ["barrels_of", "with_knuckles"]
 
 # Walls are where their setbacks put them, but for rounding.
 _ON_WALL_MM = 1e-6
@@ -36,7 +36,7 @@ def with_knuckles(
     An arm meets the wall of its panel over its full height. The wall is left out there, and the
     corners of the arm become corners of the sides around it.
     """
-    barrels = _barrels(pattern, panels, knuckles)
+    barrels = barrels_of(pattern, panels, knuckles)
     body = np.searchsorted(panels.faces, panels.sides.faces[barrels.sides])
     edges = half_edges(panels.bodies)
     bottoms, tops = edges.bottoms_and_tops(len(panels.bodies))
@@ -73,7 +73,7 @@ def with_knuckles(
     )
 
 
-def _barrels(pattern: CreasePattern, panels: Panels, knuckles: Knuckles) -> Barrels:
+def barrels_of(pattern: CreasePattern, panels: Panels, knuckles: Knuckles) -> Barrels:
     """The barrels of all hinges, one after another."""
     both = np.column_stack(crease_sides(pattern, panels))[knuckles.creases]
     return barrel_rows(

@@ -21,9 +21,10 @@ from fab.panels.hinges import (
     require_fitting_hinges,
 )
 from fab.panels.inner_edges import slitted
-from fab.panels.knuckled_panels import with_knuckles
+from fab.panels.knuckled_panels import barrels_of, with_knuckles
 from fab.panels.knuckles import Knuckles, make_knuckles
 from fab.panels.lost_faces import inspect_feasibility
+from fab.panels.snap_slots import with_snap_slots
 from fab.panels.webs import make_webs
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import BoolArray, IntArray
@@ -97,6 +98,9 @@ def rigid_sheet(
     bodies = rigid.bodies
     if len(knuckles.creases):
         bodies = with_knuckles(pattern, rigid, knuckles, hinge)
+        if hinge.snap:
+            barrels = barrels_of(pattern, panels, knuckles)
+            bodies = with_snap_slots(panels, barrels, bodies, hinge)
     bodies, without = slitted(pattern, panels, bodies)
     findings += without
     sheet = ThickSheet(
