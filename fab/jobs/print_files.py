@@ -162,7 +162,7 @@ def thick_files(
         with clock.stage("plates") as step:
             if settings.hinges.anchor_mm > 0:  # joints have the place of dovetails
                 butted = settings.hinges.model_copy(update={"anchor_mm": 0.0})
-                sheet, _ = thicken(free, settings.panels, butted)
+                sheet, _ = thicken(free, panels, butted, nozzle)
                 findings.append(_butted())
             plates, found = make_plates(sheet, print_with.printer.bed_mm, settings.plates, step)
         findings = [finding for finding in findings if finding.code != "print-too-large"]
