@@ -177,7 +177,8 @@ def _grid(
     from reportlab.platypus import Table as Cells
 
     grid = Cells(cells, widths, heights, repeatRows=repeated, hAlign="LEFT")
-    grid.setStyle([("VALIGN", (0, 0), (-1, -1), "TOP"), *style])
+    font = ("FONT", (0, 0), (-1, -1), PLAIN, SMALL)
+    grid.setStyle([("VALIGN", (0, 0), (-1, -1), "TOP"), font, *style])
     return grid
 
 

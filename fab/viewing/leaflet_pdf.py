@@ -46,6 +46,7 @@ def leaflet_pdf_bytes(leaflet: Leaflet) -> bytes:
         pagesize=(PAGE_MM[0] * mm, PAGE_MM[1] * mm),
         title=plain_title(leaflet.title),
         author="quadfold",
+        initialFontName=PLAIN,
         creator=plain_title(leaflet.made_by),
         invariant=1,
     )

@@ -188,13 +188,12 @@ def test_nothing_is_drawn_outside_of_what_a4_and_letter_have_in_common(kind):
         level = (ends[:, 1] == ends[:, 3]) & (ends[:, 1] < 20.0)
         assert np.abs(ends[level, 2] - ends[level, 0] - 50.0).min() < 0.01
     fonts = [
-        font["/FontDescriptor"]
+        font
         for page in pages
         for font in (each.get_object() for each in page["/Resources"]["/Font"].values())
-        if "/FontDescriptor" in font
     ]
     assert fonts
-    assert all("/FontFile2" in descriptor for descriptor in fonts)
+    assert all("/FontFile2" in font["/FontDescriptor"] for font in fonts)
 
 
 def test_one_piece_without_seams_takes_a_page_and_all_pages_are_numbered():
