@@ -14,11 +14,11 @@ import shapely
 from numpy.typing import NDArray
 
 from fab.drawings.beam import Beam
-from fab.drawings.cut_paths import Layer, Operation, joined
+from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray
 
-__all__ = ["closed_slots", "require_wider", "slot_beside"]
+__all__ = ["closed_slots", "dash_slots", "require_wider", "slot_beside"]
 
 _DASHED = (Operation.MOUNTAIN, Operation.VALLEY)
 # Figures of less area are where shapes only touch, mm2.
@@ -30,30 +30,22 @@ Shapes = NDArray[np.object_]
 
 
 def closed_slots(layers: Sequence[Layer], slot_mm: float, beam: Beam) -> tuple[Layer, ...]:
-    """The layers of a piece with every cut closed; engraved lines stay as they are.
+    """The layers of a piece with its cuts closed; creases and engraved lines stay as they are.
 
-    Dashes are slots on their layer, cuts within the piece are holes of their own. Material is on
-    the left of outlines and of slots.
+    Cuts within the piece are holes of their own. Material is on the left of outlines and of slots.
 
     slot_mm : width of the slots as they are cut. Raises `InvalidValue` for slots that are not wider
     than the kerf.
-
-    >>> dash = Layer(Operation.VALLEY, np.array([[[1.0, 5.0], [4.0, 5.0]]]))
-    >>> (slot,) = closed_slots([dash], 0.5, Beam.of(0.1))
-    >>> np.ptp(slot.outlines[0], axis=0).round(6).tolist(), len(slot.segments)
-    ([3.0, 0.4], 0)
     """
     require_wider(slot_mm, beam)
     of = {layer.operation: layer for layer in joined(layers)}
     out = []
     for operation, layer in of.items():
-        if operation in _DASHED:
-            out.append(_dashes(layer, slot_mm, beam))
-        elif operation is Operation.RELIEF:
+        if operation is Operation.RELIEF:
             slots = _slots(layer, slot_mm, beam)
             rings = [ring for slot in slots for ring in _rings(slot, hole=True)]
             out.append(Layer(operation, outlines=(*layer.outlines, *rings)))
-        elif operation is Operation.ENGRAVE:
+        elif operation not in (Operation.HOLE, Operation.CUT):
             out.append(layer)
     hole, cut = (of.get(kind, Layer(kind)) for kind in (Operation.HOLE, Operation.CUT))
     slots = [*_slots(hole, slot_mm, beam), *_slots(cut, slot_mm, beam)]
@@ -63,6 +55,24 @@ def closed_slots(layers: Sequence[Layer], slot_mm: float, beam: Beam) -> tuple[L
     if Operation.CUT in of:
         out.append(Layer(Operation.CUT, outlines=tuple(outer)))
     return tuple(out)
+
+
+def dash_slots(paths: CutPaths, slot_mm: float, beam: Beam) -> CutPaths:
+    """The paths with all dashes of creases as closed slots, in their order.
+
+    Raises `InvalidValue` as `closed_slots`.
+
+    >>> dash = Layer(Operation.VALLEY, np.array([[[1.0, 5.0], [4.0, 5.0]]]))
+    >>> (slots,) = dash_slots(CutPaths((dash,), (9.0, 9.0)), 0.5, Beam.of(0.1)).layers
+    >>> np.ptp(slots.outlines[0], axis=0).round(6).tolist(), len(slots.segments)
+    ([3.0, 0.4], 0)
+    """
+    require_wider(slot_mm, beam)
+    layers = (
+        _dashes(layer, slot_mm, beam) if layer.operation in _DASHED else layer
+        for layer in paths.layers
+    )
+    return replace(paths, layers=tuple(layers))
 
 
 def slot_beside(chain: FloatArray, slot_mm: float, beam: Beam) -> FloatArray:

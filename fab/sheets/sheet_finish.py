@@ -1,7 +1,7 @@
 """Finish of a sheet: mirror, title and bridges; and how its lines are followed in the end.
 
 placed pieces -> mirror -> title -> shared lines once, or bridges; then for each drawing
-order of the work -> lead-ins and overcuts -> path of the knife's axis
+order of the work -> dashes as slots -> lead-ins and overcuts -> path of the knife's axis
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fab.drawings.closed_cuts import led_in
-from fab.drawings.closed_slots import slot_beside
+from fab.drawings.closed_slots import dash_slots, slot_beside
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.drawings.drag_knife import blade_led
 from fab.drawings.holding_bridges import bridged
@@ -72,6 +72,9 @@ def followed(
     """
     knife = request.machine.knife
     ordered = tour(paths)
+    wishes = request.wishes
+    if wishes.closed_slots:  # after the tour, which is shorter for lines
+        ordered = dash_slots(ordered, wishes.slot_mm, request.machine.beam)
     led, bare = led_in(
         ordered,
         knife.lead_in_mm,

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fab.drawings.beam import Beam
-from fab.drawings.closed_slots import closed_slots, slot_beside
-from fab.drawings.cut_paths import Layer, Operation
+from fab.drawings.closed_slots import closed_slots, dash_slots, slot_beside
+from fab.drawings.cut_paths import CutPaths, Layer, Operation
 from fab.geometry.rings import is_hole
 from solver import InvalidValue
 
@@ -17,7 +17,8 @@ HOLE = np.array([[40.0, 40], [40, 60], [60, 60], [60, 40]])
 
 
 def closed(*layers, slot=0.5, kerf=0.1):
-    made = closed_slots(layers, slot, Beam.of(kerf))
+    paths = CutPaths(closed_slots(layers, slot, Beam.of(kerf)), (100.0, 100.0))
+    made = dash_slots(paths, slot, Beam.of(kerf)).layers
     assert not any(len(layer.segments) or layer.chains for layer in made)
     return {layer.operation: layer.outlines for layer in made}
 
