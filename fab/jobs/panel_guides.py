@@ -143,13 +143,13 @@ def _hinges(sheet: ThickSheet, joined: Mapping[int, int]) -> list[PanelHinge]:
     joined : the joint at each crease between two parts.
     """
     pattern = sheet.pattern
-    kinds = crease_kinds(pattern, sheet.hinge)
+    kinds, snaps = crease_kinds(pattern, sheet.hinge), sheet.hinge.snap
     ends = pattern.vertices_coords[pattern.edges_vertices]
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
     return [
         PanelHinge(
             edge,
-            str(kinds[edge]),
+            "snap knuckle" if snaps and kinds[edge] == "knuckle" else str(kinds[edge]),
             joined.get(edge),
             float(lengths[edge]),
             float(pattern.edges_foldAngle[edge]),
@@ -196,7 +196,7 @@ def _facts(
     kinds: dict[str, int] = {}
     for hinge in hinges:
         kinds[hinge.kind] = kinds.get(hinge.kind, 0) + 1
-    by_kind = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
+    by_kind = ", ".join(f"{kind}: {count}" for kind, count in kinds.items())
     out = [("Panels", str(len(np.unique(sheet.panels.faces)))), ("Hinges", by_kind or "none")]
     if plates is not None:
         parts = counted(len(plates.parts), "part")

@@ -86,16 +86,24 @@ def test_a_sheet_in_one_has_no_plates():
     text = read(result)
     assert "Print the sheet flat, as it is." in text
     assert "Plate" not in text
-    assert "51 web" in text
+    assert "web: 51" in text
 
 
-def test_hinges_with_pins_are_told_and_the_page_has_the_guide_too():
+@pytest.mark.parametrize(
+    ("snap", "kind", "told"),
+    [
+        ("false", "knuckle", "Pins are printed in their barrels"),
+        ("true", "snap knuckle", "press the open barrels onto the pin"),
+    ],
+)
+def test_hinges_with_pins_are_told_and_the_page_has_the_guide_too(snap, kind, told):
     changes = ("hinges.kind=knuckle", "panels.thickness_mm=4.0", "panels.axis=middle")
-    _, result = made(160.0, *changes, formats=[ThickFormat.HTML])
+    snapping = (f"hinges.snap={snap}", "hinges.pin_mm=1.6")
+    _, result = made(160.0, *changes, *snapping, formats=[ThickFormat.HTML])
     page = result.files["twist_thick.html"].decode()
     section = page.split('<h2 id="assembly">')[1].split("</section>")[0]
-    assert "turn each hinge to and fro until it is free" in section
-    assert "<td>knuckle</td>" in section
+    assert told in section
+    assert f"<td>{kind}</td>" in section
 
 
 def test_what_must_not_be_made_as_it_is_says_so_first(divided):

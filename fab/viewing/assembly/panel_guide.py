@@ -26,6 +26,8 @@ _MOST_HINGES = 3000
 _HINGES = {
     "web": "Bend each web to and fro a few times, a little further each time.",
     "knuckle": "Pins are printed in their barrels: turn each hinge to and fro until it is free.",
+    "snap knuckle": "Turn each hinge to and fro until it is free. Panels snap off their pins and "
+    "on again: press the open barrels onto the pin, one after another.",
     "film": "The film holds the panels: bend it along each crease.",
 }
 
