@@ -56,13 +56,25 @@ def titled(
 
 
 def _taken(paths: CutPaths) -> NDArray[np.object_]:
-    """What is on a sheet: all lines, and what is within closed ones."""
-    figures: list[shapely.Geometry] = []
+    """What is on a sheet: pieces, and lines that are in none."""
+    pieces = [
+        shapely.Polygon(ring)
+        for layer in paths.layers
+        if layer.operation is Operation.CUT
+        for ring in layer.outlines
+    ]
+    others: list[shapely.Geometry] = []
     for layer in paths.layers:
-        figures += list(shapely.linestrings(layer.segments)) if len(layer.segments) else []
-        figures += [shapely.LineString(chain) for chain in layer.chains]
-        figures += [shapely.Polygon(ring) for ring in layer.outlines]
-    return np.array(figures, dtype=object)
+        others += list(shapely.linestrings(layer.segments)) if len(layer.segments) else []
+        others += [shapely.LineString(chain) for chain in layer.chains]
+        if layer.operation is not Operation.CUT:
+            others += [shapely.Polygon(ring) for ring in layer.outlines]
+    lines = np.array(others, dtype=object)
+    within = np.zeros(len(lines), bool)
+    if pieces and len(lines):
+        found = shapely.STRtree(pieces).query(lines, predicate="covered_by")[0]
+        within[found] = True
+    return np.array([*pieces, *lines[~within]], dtype=object)
 
 
 def _blocks(texts: Sequence[str], letter: float) -> Iterator[_Block]:
