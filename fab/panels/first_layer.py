@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 __all__ = ["BedEdges", "bed_edges", "relieved"]
 
 _ON_BED_MM = 1e-6
-# Common areas up to this are edges that touch.
-_LEAST_AREA_MM2 = 1e-9
+# What is nearer to the front of an edge than this only touches it.
+_APART_MM = 1e-4
 # Edges that are shorter get no relief: what is left of them beside a web.
 _SHORTEST_MM = 1e-3
 # Edges go on straight where they turn by less than this, as a sine.
@@ -96,16 +96,15 @@ def relieved(
     cutters = _cutters(edges, low, first_layer_mm)
     first = np.searchsorted(edges.bodies, np.arange(len(bodies) + 1))
 
-    def cut(whole: Bodies) -> Bodies:
-        out = [whole.mesh(number) for number in range(len(whole))]
-        chosen = np.unique(edges.bodies).tolist()
-        solids = [
-            difference([solid(out[body]), *cutters[first[body] : first[body + 1]]])
-            for body in chosen
-        ]
-        for body, mesh in zip(chosen, meshes(solids), strict=True):
-            out[body] = mesh
-        return bodies_of(out)
+    chosen = np.unique(edges.bodies).tolist()
+    solids = [
+        difference([solid(bodies.mesh(body)), *cutters[first[body] : first[body + 1]]])
+        for body in chosen
+    ]
+    changed = dict(zip(chosen, meshes(solids), strict=True))
+
+    def cut(whole: Bodies) -> Bodies:  # rigid bodies are the same ones in both
+        return bodies_of([changed.get(row) or whole.mesh(row) for row in range(len(whole))])
 
     text = (
         f"bottoms are cut back by first_layer_mm = {first_layer_mm:g} along "
@@ -173,14 +172,14 @@ def _facing(bodies: Bodies, rigid: BoolArray, bed_mm: float, near_mm: float) -> 
 
     def met(beside_mm: float) -> tuple[BoolArray, BoolArray]:
         """Which edges have their own body in front of them, and which another one."""
-        ends = edges.ends + beside_mm * np.stack([-edges.along, edges.along], axis=1)
-        reach = ends + near_mm * edges.outward[:, None]
-        front = shapely.polygons(np.concatenate([ends, reach[:, ::-1]], axis=1))
+        longer = beside_mm - _APART_MM  # what only touches the front is not in it
+        ends = edges.ends + longer * np.stack([-edges.along, edges.along], axis=1)
+        near, far = (y * edges.outward[:, None] for y in (_APART_MM, near_mm - _APART_MM))
+        front = shapely.polygons(np.concatenate([ends + near, (ends + far)[:, ::-1]], axis=1))
         row, body = tree.query(front, predicate="intersects")
-        common = shapely.area(shapely.intersection(front[row], floor[body])) > _LEAST_AREA_MM2
         own = edges.bodies[row] == owner[body]
         out = np.zeros((2, len(edges.bodies)), bool)
-        out[0, row[common & own]] = out[1, row[common & ~own]] = True
+        out[0, row[own]] = out[1, row[~own]] = True
         return out[0], out[1]
 
     own, other = met(0.0)

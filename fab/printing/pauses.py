@@ -21,7 +21,7 @@ class Pause:
     ----------
     z_mm : height of what is printed before. after_layer : the number of the last layer before it,
     counted from 1. layer_mm : height of all layers. off_mm : how far the film lies below the middle
-    of the panels.
+    of the panels; negative above it.
     """
 
     z_mm: float
@@ -59,13 +59,14 @@ def inspect_pause(sheet: ThickSheet, pause: Pause) -> list[Finding]:
         "pause; set it by hand in other slicers. Cut the film along the outline in the end."
     )
     findings = [Finding("pause-for-film", Severity.NOTE, text)]
-    if pause.off_mm > _WHOLE:
+    if abs(pause.off_mm) > _WHOLE:
+        where = "below" if pause.off_mm > 0 else "above"
         findings.append(
             Finding(
                 "film-off-middle",
                 Severity.NOTE,
-                f"the film lies {pause.off_mm:.3g} mm below the middle of its panels, at a whole "
-                f"layer. Set thickness_mm to a multiple of {2 * pause.layer_mm:g}, two layers.",
+                f"the film lies {abs(pause.off_mm):.3g} mm {where} the middle of its panels, at a "
+                f"whole layer. Set thickness_mm to a multiple of {2 * pause.layer_mm:g}.",
             )
         )
     if film > pause.layer_mm * (1 + _WHOLE):

@@ -133,3 +133,9 @@ def test_other_films_have_no_pause():
 def test_what_does_not_go_together_is_refused(changes, text):
     with pytest.raises(InvalidJob, match=text):
         thick_settings(changes)
+
+
+def test_panels_of_less_than_two_layers_pause_after_the_first():
+    thin = made("panels.thickness_mm=0.3", "hinges.film_mm=0.1")
+    assert thin.report["solids"]["pause"]["after_layer"] == 1
+    assert "lies 0.05 mm above the middle" in notes(thin)["film-off-middle"].text
