@@ -92,7 +92,7 @@ def check_pairs(sheet: ThickSheet, checked: CheckedBodies, state: FoldedState) -
     bodies = checked.bodies
     if state.stage != Stage.FLAT:
         bodies = bodies.moved(state.turns[moving], state.shifts[moving])
-    promised = mates_promised_mm(sheet, checked, state)
+    promised = _by_pairs(checked, mates_promised_mm(sheet, checked, state))
     least = float(promised.min(initial=np.inf))
     if not np.isfinite(least):
         least = 2 * float(sheet.panels.setbacks.axis_mm.max(initial=0.0)) or sheet.panel.gap_mm
@@ -156,6 +156,19 @@ def _wanted_mm(
     with np.errstate(divide="ignore"):
         wanted[touch] = -OVERLAP_MM3 / section[touch]
     return wanted
+
+
+def _by_pairs(checked: CheckedBodies, promised: FloatArray) -> FloatArray:
+    """The least distance that any common crease of two panels promises, shape (k,), mm.
+
+    What is measured is the distance of the panels, wherever they are nearest.
+    """
+    if not len(promised):
+        return promised
+    _, pair = np.unique(checked.mates, axis=0, return_inverse=True)
+    least = np.full(int(pair.max()) + 1, np.inf)
+    np.minimum.at(least, pair.ravel(), promised)
+    return np.asarray(least[pair.ravel()])
 
 
 @dataclass(frozen=True)

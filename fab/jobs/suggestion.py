@@ -44,6 +44,6 @@ def suggested_window(
 
     given = window(panels)
     limit = workable_limit_deg(pattern, panels, hinges, width) if given.hopeless else None
-    if limit is None:
+    if limit is None or limit >= panels.fold_limit_deg:
         return given
     return replace(window(panels.model_copy(update={"fold_limit_deg": limit})), given=given)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -40,6 +41,8 @@ __all__ = ["SLIVERS_REL", "Feasibility"]
 SLIVERS_REL = 0.01
 # A sheet that must be larger by more than this factor has no size.
 _MOST_TIMES = 1e6
+# What has no room on a sheet so many times as large has none on any.
+_AS_LARGE, _HALFWAY_DEG = 1e4, 90.0
 # Fold limits are looked for down to this.
 _LEAST_LIMIT_DEG = 1e-3
 # Bounds by hinges are exact to this share of themselves: they take longer than those by panels.
@@ -89,9 +92,12 @@ class Feasibility:
         scale: float = 1.0,
         limit_deg: float | None = None,
     ) -> IntArray:
-        """Edges beside panels, without room for their hinge or for the side of a panel."""
+        """Edges beside panels, without room for their hinge or for the side of a panel.
+
+        Those that have none on any sheet, however large, are left out.
+        """
         panels = self._room(thickness_mm, scale, limit_deg)
-        return np.union1d(self._hinged(panels)[1], lost_sides(panels))
+        return np.setdiff1d(self._without(panels), self._never)
 
     def whole(
         self,
@@ -102,9 +108,9 @@ class Feasibility:
     ) -> bool:
         """Whether all faces have a panel, and no edge is `hingeless`."""
         panels = self._room(thickness_mm, scale, limit_deg)
-        if not panels.faces_has_panel.all() or len(lost_sides(panels)):
+        if not panels.faces_has_panel.all():
             return False
-        return not len(self._hinged(panels)[1])
+        return not len(np.setdiff1d(self._without(panels), self._never))
 
     def parts(self, limit_deg: float) -> int:
         """Number of bodies that panels make with their hinges, at a fold limit."""
@@ -260,6 +266,15 @@ class Feasibility:
             wide = panels.faces[panel_widths_mm(panels) >= self._width]
             fits[~self._convex] = np.isin(np.flatnonzero(~self._convex), wide)
         return Panels(bodies_of([]), np.flatnonzero(fits), heights, sides, back)
+
+    @cached_property
+    def _never(self) -> IntArray:
+        """Edges without room for their hinge or a side of their panel, however large the sheet."""
+        limit = min(self.panel.fold_limit_deg, _HALFWAY_DEG)  # at which all creases have setbacks
+        return self._without(self._room(None, _AS_LARGE, limit))
+
+    def _without(self, panels: Panels) -> IntArray:
+        return np.union1d(self._hinged(panels)[1], lost_sides(panels))
 
     def _hinged(self, panels: Panels) -> tuple[IntArray, IntArray]:
         """Creases between two panels with a hinge, and those without room for the one they need."""

@@ -5,8 +5,10 @@ import pytest
 from flat_patterns import fan, grid, pattern_of, triangles
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from shared_cases import shared_case
 from thick_sheets import shipped_pattern
 
+from fab import read_pattern
 from fab.errors import Severity
 from fab.jobs.print_files import make_thick
 from fab.jobs.suggestion import suggested_window
@@ -164,3 +166,31 @@ def test_suggestions_for_random_triangles_have_all_panels_hinges_and_walls(seed,
         joined = sheet.joining.mesh(0)
         codes = {f.code for f in [*found, *inspect_print(sheet, joined, printer)]}
         assert not codes & SPARED, (change, scale, codes)
+
+
+def test_sides_that_no_size_saves_do_not_set_the_window():
+    """A border in line with a crease loses its side to that, however large the comb."""
+    pattern, _ = read_pattern(shared_case("comb.fold"))
+    window = suggested_window(scaled(pattern, factor=2.0), thick_settings())
+    assert window.given is None
+    assert window.thickness_max_mm == pytest.approx(40 - 0.5 - 0.05, abs=1e-6)
+    assert window.hingeless == 0
+
+
+@pytest.mark.parametrize("name", ["crane_plain", "unit_square", "cupboard_fold", "keyhole"])
+def test_cases_that_fold_by_180_degrees_have_files_without_an_error(name):
+    pattern, _ = read_pattern(shared_case(f"{name}.fold"))
+    width = np.ptp(pattern.vertices_coords, axis=0).max()
+    tables = thick_settings([], "prusa_mk4s", "pp_filament")
+    made = make_thick(
+        scaled(pattern, factor=200.0 / width),
+        name,
+        tables,
+        print_with=tables.print_with(),
+        formats=["stl"],
+    )
+    assert f"{name}_thick.stl" in made.files
+    assert made.within_tolerance
+    (limited,) = (f for f in made.findings if f.code == "fold-limited")
+    assert f"fold_limit_deg = {made.report['solids']['fold_limit_deg']:g}" in limited.text
+    assert len(made.report["solids"]["states"]) >= 2
