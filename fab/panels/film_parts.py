@@ -13,7 +13,7 @@ from fab.panels.thick_sheet import ThickSheet
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import IntArray
 
-__all__ = ["creased_films", "film_numbers", "film_regions", "film_solid"]
+__all__ = ["connected", "creased_films", "film_numbers", "film_regions", "film_solid"]
 
 
 def film_numbers(sheet: ThickSheet) -> IntArray:
@@ -59,6 +59,18 @@ def film_regions(film: TriangleMesh, pattern: CreasePattern) -> list[tuple[shape
     tree = shapely.STRtree([shapely.Polygon(ring) for ring in rings])
     faces = tree.nearest(inside[within])
     return list(zip(regions[within].tolist(), faces.tolist(), strict=True))
+
+
+def connected(regions: Sequence[shapely.Polygon]) -> list[list[shapely.Polygon]]:
+    """Regions of a film in groups that share borders, in their order; a vertex alone is none."""
+    whole = shapely.get_parts(shapely.coverage_union_all(list(regions)))
+    inside = shapely.point_on_surface(list(regions))
+    number, part = shapely.STRtree(whole).query(inside, "within")
+    part = part[np.argsort(number, kind="stable")]
+    return [
+        [region for region, own in zip(regions, part.tolist(), strict=True) if own == each]
+        for each in range(len(whole))
+    ]
 
 
 def film_solid(regions: Sequence[shapely.Polygon], film: TriangleMesh) -> TriangleMesh:

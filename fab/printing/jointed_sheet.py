@@ -11,7 +11,7 @@ import shapely
 
 from fab.geometry.bodies import Bodies, TriangleMesh, bodies_of
 from fab.geometry.booleans import difference, meshes, prism, solid
-from fab.panels.film_parts import film_numbers, film_regions, film_solid
+from fab.panels.film_parts import connected, film_numbers, film_regions, film_solid
 from fab.panels.thick_sheet import ThickSheet
 from fab.printing.dovetails import Joint
 from fab.printing.joint_plans import Levels, joint_levels
@@ -123,8 +123,9 @@ def _film_rows(sheet: ThickSheet, faces_part: IntArray) -> Iterator[_Row]:
             home = int(np.flatnonzero(faces_part == next(iter(regions)))[0])
             yield _old(sheet, number, None, name, home)
             continue
-        labels = _numbered(name, len(regions))
-        for (owner, own), label in zip(sorted(regions.items()), labels, strict=True):
+        pieces = [(owner, own) for owner in sorted(regions) for own in connected(regions[owner])]
+        labels = _numbered(name, len(pieces))
+        for (owner, own), label in zip(pieces, labels, strict=True):
             home = int(np.flatnonzero(faces_part == owner)[0])
             yield _Row(number, None, label, -1, -1, True, home, film_solid(own, film))
 

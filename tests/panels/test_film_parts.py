@@ -10,7 +10,7 @@ from thick_sheets import shipped_pattern
 from fab.geometry.booleans import manifold_of
 from fab.geometry.side_loops import side_loops
 from fab.panels.bevelled_panels import PanelSettings
-from fab.panels.film_parts import creased_films, film_numbers, film_regions
+from fab.panels.film_parts import connected, creased_films, film_numbers, film_regions
 from fab.panels.hinges import HingeSettings
 from fab.panels.step import step_bytes
 from fab.panels.thick_sheet import thicken
@@ -64,3 +64,10 @@ def test_step_files_of_films_are_read_as_valid_solids(tmp_path):
     assert len(solids) == len(sheet.bodies)
     assert all(solid.is_valid for solid in solids)
     assert sum(solid.volume for solid in solids) == pytest.approx(sheet.bodies.volumes_mm3().sum())
+
+
+def test_regions_that_share_a_corner_alone_are_apart():
+    squares = [shapely.box(x, y, x + 1, y + 1) for x, y in ((0, 0), (1, 0), (2, 1), (5, 5))]
+    groups = connected(squares)
+    assert sorted(len(group) for group in groups) == [1, 1, 2]
+    assert {id(square) for group in groups for square in group} == {id(s) for s in squares}
