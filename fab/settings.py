@@ -39,11 +39,12 @@ _NUMBERS = {
     "less_than": "",
     "less_than_equal": "",
 }
+_BOUNDS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
 _OTHERS = {
     "bool_type": "be true or false",
     "string_type": "be text in quotes",
     "string_too_short": "not be empty",
-    "list_type": "be a list, such as [1.0, 2.0]",
+    "list_type": 'be a list, such as [1.0, 2.0] or ["A", "B"]',
     "tuple_type": "be a list, such as [1.0, 2.0]",
     "literal_error": "be {expected}",
     "enum": "be {expected}",
@@ -178,6 +179,7 @@ def _refusal(
 def _must(error: Any, bound: str) -> str | None:
     """What the value must be or have; None for errors that are not of numbers and the like."""
     kind = error["type"]
+    bound = bound or _broken(error.get("ctx", {}))
     if kind in _NUMBERS and (_NUMBERS[kind] or bound):
         return "be " + ", ".join(part for part in (_NUMBERS[kind], bound) if part)
     if kind in _OTHERS:
@@ -196,14 +198,20 @@ def _about(field: FieldInfo | None) -> str:
 
 def _bound(field: FieldInfo | None) -> str:
     """The bounds of a number in words, all of them."""
-    words = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
     parts = [
         f"{word} {getattr(limit, name):g}"
         for limit in (field.metadata if field is not None else [])
-        for name, word in words.items()
+        for name, word in _BOUNDS.items()
         if hasattr(limit, name)
     ]
     return " and ".join(parts)
+
+
+def _broken(context: Mapping[str, Any]) -> str:
+    """The bound that a number is beyond, in words: of a kind of number that is part of a type."""
+    return " and ".join(
+        f"{word} {context[name]:g}" for name, word in _BOUNDS.items() if name in context
+    )
 
 
 def _hint(model: type[Settings], place: Sequence[str], same: Sequence[str], document: Any) -> str:

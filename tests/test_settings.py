@@ -92,12 +92,13 @@ def test_every_fault_is_named_with_its_bound_and_cure():
     assert str(caught.value).splitlines() == [
         "mine.toml: margin_mm = '5' is out of bounds: it must be a number, at least 0 and at most "
         "500. Correct it (of the bed, on all sides, kept free).",
-        "kerf_mm = -1 is out of bounds: it must be at least 0 and at most 10. Correct it (width of "
-        "material that a cut takes away).",
+        "kerf_mm = -1 is out of bounds: it must be at least 0 or be a list, such as [1.0, 2.0]. "
+        "Correct it (width of material that a cut takes away; [x, y] where the beam is wider along "
+        "one axis of the bed: cuts along y are x wide, and cuts along x are y wide).",
         "profile = 'dashed' is out of bounds: it must be 'pre_dashed' or 'whole_lines'. Correct it "
         "(creases as dashes, or as whole lines for software that perforates by itself).",
         "bed is not a known key. Did you mean bed_mm? Known here: bed_mm, colours, description, "
-        "dxf_version, kerf_mm, kind, margin_mm, powers, profile, s_max, speeds, "
+        "dxf_version, kerf_mm, kind, knife, margin_mm, powers, profile, s_max, speeds, "
         "starting_points, stroke_mm.",
     ]
     with pytest.raises(InvalidJob, match=r"description is missing. Add it .one line.*. Begin anew"):

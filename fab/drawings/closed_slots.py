@@ -18,13 +18,16 @@ from fab.drawings.cut_paths import CutPaths, Layer, Operation, joined
 from solver.errors import InvalidValue
 from solver.vectors import FloatArray
 
-__all__ = ["closed_slots", "dash_slots", "require_wider", "slot_beside"]
+__all__ = ["SLOT_REACH", "closed_slots", "dash_slots", "require_wider", "slot_beside"]
 
 _DASHED = (Operation.MOUNTAIN, Operation.VALLEY)
 # Figures of less area are where shapes only touch, mm2.
 _LEAST_MM2 = 1e-6
 # How sharp a mitre of a bent slot may be, in half widths.
 _MITRE = 5.0
+# How sharp that of a slot beside an outline may be, and how far these reach at corners, in widths.
+_MITRE_BESIDE = 1.5
+SLOT_REACH = float(np.hypot(_MITRE_BESIDE, 1.0))
 
 Shapes = NDArray[np.object_]
 
@@ -75,16 +78,22 @@ def dash_slots(paths: CutPaths, slot_mm: float, beam: Beam) -> CutPaths:
     return replace(paths, layers=tuple(layers))
 
 
-def slot_beside(chain: FloatArray, slot_mm: float, beam: Beam) -> FloatArray:
-    """The outline of a slot on the right of a polyline that has its material on the left, (k, 2).
+def slot_beside(chain: FloatArray, outline: FloatArray, slot_mm: float, beam: Beam) -> FloatArray:
+    """The outline of a slot beside a part of an outline that has its material on the left, (k, 2).
 
-    The side at the material is the polyline itself. Raises `InvalidValue` as `closed_slots`.
+    The side at the material is the polyline itself; the slot is on its right, and takes nothing of
+    the material where what is cut away is narrower than the slot. It reaches out by up to
+    `SLOT_REACH` times its width. Raises `InvalidValue` as `closed_slots`.
+
+    chain : the part, shape (m, 2). outline : all of it, shape (n, 2).
     """
     require_wider(slot_mm, beam)
     width = slot_mm - float(beam.across(np.diff(chain, axis=0)).max())
-    figure = shapely.LineString(chain).buffer(
-        -width, single_sided=True, cap_style="flat", join_style="mitre", mitre_limit=_MITRE
+    around = shapely.LineString(chain).buffer(
+        width, cap_style="flat", join_style="mitre", mitre_limit=_MITRE_BESIDE
     )
+    ring = shapely.Polygon(outline)
+    figure = around.difference(ring) if ring.exterior.is_ccw else around.intersection(ring)
     largest = max(shapely.get_parts(figure), key=lambda part: float(part.area))
     return _ccw(largest.exterior)[::-1]
 

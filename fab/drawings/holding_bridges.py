@@ -54,6 +54,7 @@ def bridged(
     bridge_mm: float,
     beam: Beam,
     ends: FloatArray | None = None,
+    clear_mm: float = 0.0,
 ) -> Bridged:
     """Outlines with `count` bridges each, or as many as there is room for.
 
@@ -64,6 +65,8 @@ def bridged(
     ----------
     outlines : as the beam follows them, each of shape (m, 2).
     ends : of other cuts, shape (n, 2).
+    clear_mm : bridges lie where at least this is cut away beside the outline, so that they lead to
+        what is left of the sheet.
 
     >>> square = np.array([[0.0, 0.0], [40.0, 0.0], [40.0, 40.0], [0.0, 40.0]])
     >>> made = bridged([square], 2, 0.4, Beam.of(0.1))
@@ -79,7 +82,7 @@ def bridged(
         line = _Line.of(outline)
         near = tree.query(shapely.LinearRing(outline), "dwithin", beam.widest_mm + _REACH_MM)
         met = [shapely.LinearRing(outline).project(points[i]) for i in sorted(near.tolist())]
-        middles, gaps = _places(line, count, bridge_mm, beam, np.array(met))
+        middles, gaps = _places(line, count, bridge_mm, beam, np.array(met), clear_mm)
         counts.append(len(middles))
         if not len(middles):
             whole.append(outline)
@@ -131,6 +134,17 @@ class _Line:
         where = np.mod(places, self.length)
         return np.column_stack([np.interp(where, self.at, closed[:, axis]) for axis in (0, 1)])
 
+    def has_beside(self, places: FloatArray, wide_mm: float) -> BoolArray:
+        """Whether nothing of it is nearer on the right of places than a width, shape (n,)."""
+        ahead = self.directions(places)
+        aside = np.column_stack([ahead[:, 1], -ahead[:, 0]]) / np.hypot(*ahead.T)[:, None]
+        start = self.points(places)
+        rays = np.stack([start + _REACH_MM * aside, start + wide_mm * aside], axis=1)
+        ring = shapely.LinearRing(self.ring)
+        shapely.prepare(ring)
+        out: BoolArray = ~shapely.intersects(ring, shapely.linestrings(rays))
+        return out
+
     def part(self, begin: float, end: float) -> FloatArray:
         """The polyline from one place on to another, which is less than a round ahead."""
         at = np.concatenate([self.at[:-1], self.at[:-1] + self.length, self.at + 2 * self.length])
@@ -155,7 +169,7 @@ class _Line:
 
 
 def _places(
-    line: _Line, count: int, bridge_mm: float, beam: Beam, met: FloatArray
+    line: _Line, count: int, bridge_mm: float, beam: Beam, met: FloatArray, clear_mm: float
 ) -> tuple[FloatArray, FloatArray]:
     """Middles of the bridges along an outline, rising, and the lengths of their gaps."""
     even = np.arange(_PLACES * count) * (line.length / (_PLACES * count))
@@ -165,6 +179,9 @@ def _places(
     clear = np.maximum(gaps, _LEAST_CLEAR_MM)
     free = line.turned_within(tried, gaps / 2 + clear, met) < _CORNER_DEG
     tried, gaps = tried[free], gaps[free]
+    if clear_mm:
+        leads = line.has_beside(tried, clear_mm)
+        tried, gaps = tried[leads], gaps[leads]
     long = _on_long_runs(line, tried)
     for wanted in range(count, 0, -1):
         for chosen in (long, np.ones(len(tried), bool)):

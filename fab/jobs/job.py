@@ -80,8 +80,8 @@ class SheetSettings(ThickSettings):
 
     name: str = Field(
         pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$",
-        description="1 to 100 letters, digits, '_', '-' or '.', of which the first is a letter or "
-        "digit: it names the files in the output folder",
+        description="1 to 100 letters from a to z or A to Z, digits, '_', '-' or '.', of which the "
+        "first is a letter or digit: it names the files in the output folder",
     )
     description: str = ""
     outputs: list[

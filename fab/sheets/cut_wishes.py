@@ -17,7 +17,10 @@ class CutWishes(Settings):
     """How pieces are cut, joined and marked, whatever they are made of."""
 
     bridges: int = Field(
-        default=0, ge=0, le=50, description="that hold each piece in the sheet, away from corners"
+        default=0,
+        ge=0,
+        le=50,
+        description="how many hold each piece in the sheet, away from corners",
     )
     bridge_mm: float = Field(
         default=0.4, ge=0.05, le=20, description="width of a bridge, as it is left by the kerf"

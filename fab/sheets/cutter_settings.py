@@ -24,9 +24,9 @@ class CutterSettings(CutWishes):
 
     material: str = Field(description="a shipped sheet material, or a .toml file")
     machine: str = Field(description="a shipped cutter, or a .toml file")
-    copies: int = Field(default=1, ge=1, le=10_000, description="of the whole pattern")
+    copies: int = Field(default=1, ge=1, le=10_000, description="how many of the whole pattern")
     sheets: int | None = Field(
-        default=None, ge=1, description="of the stock that are at hand: a need for more is told"
+        default=None, ge=1, description="how many are at hand: a need for more is reported"
     )
     two_sided: bool = Field(
         default=False, description="creases are scored on the side on which they open"

@@ -141,11 +141,22 @@ def _bridged(paths: CutPaths, request: SheetRequest) -> tuple[CutPaths, tuple[in
         if layer.operation is not Operation.CUT:
             out.append(layer)
             continue
-        made = bridged(layer.outlines, wishes.bridges, wishes.bridge_mm, beam, np.concatenate(ends))
+        made = bridged(
+            layer.outlines,
+            wishes.bridges,
+            wishes.bridge_mm,
+            beam,
+            np.concatenate(ends),
+            request.slot_reach_mm,
+        )
         counts = made.counts
         arcs, outlines = made.chains, made.outlines
         if wishes.closed_slots:
-            outlines += tuple(slot_beside(arc, wishes.slot_mm, beam) for arc in arcs)
+            of = np.repeat(np.arange(len(counts)), counts).tolist()
+            outlines += tuple(
+                slot_beside(arc, layer.outlines[number], wishes.slot_mm, beam)
+                for arc, number in zip(arcs, of, strict=True)
+            )
             arcs = ()
         out.append(replace(layer, outlines=outlines, chains=(*layer.chains, *arcs)))
     return replace(paths, layers=tuple(out)), counts

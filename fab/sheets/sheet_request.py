@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from fab.drawings.closed_slots import require_wider
+from fab.drawings.closed_slots import SLOT_REACH, require_wider
 from fab.drawings.cut_paths import Operation
 from fab.drawings.cut_settings import CutSetting
 from fab.drawings.drawing_files import PROGRAMS, USUAL, DrawingStyle, SheetFormat
@@ -16,7 +17,7 @@ from fab.sheets.materials import Machine, Material, Speeds, perforation_for
 from fab.sheets.perforation_settings import PerforationSettings
 from fab.sheets.pieces import SheetSplit
 from fab.sheets.registration import Registration
-from solver.errors import InvalidState, require_count
+from solver.errors import InvalidState, InvalidValue, require_count
 
 __all__ = ["SheetRequest"]
 
@@ -50,10 +51,11 @@ class SheetRequest:
     priority : names of pieces, or of patterns for all of theirs, that lie on the first sheets.
     shared_cuts : whether pieces lie side to side along equal sides, which are cut once.
 
-    Raises `InvalidValue` for copies that are no such number, and for slots that are not wider than
-    the kerf; `InvalidState` for G-code of a machine that has no power to cut with, for two-sided
-    sheets that are to be mirrored or to have closed slots, and for closed slots along creases that
-    are scored, and for a grain that the material does not have.
+    Raises `InvalidValue` for copies that are no such number, for slots that are not wider than the
+    kerf, and for pieces nearer to each other than the slots beside them; `InvalidState` for G-code
+    of a machine that has no power to cut with, for two-sided sheets that are to be mirrored or to
+    have closed slots, for closed slots along creases that are scored, and for a grain that the
+    material does not have.
     """
 
     material: Material
@@ -109,6 +111,14 @@ class SheetRequest:
             )
         if self.wishes.closed_slots:
             require_wider(self.wishes.slot_mm, self.machine.beam)
+        least = math.ceil(200 * self.slot_reach_mm) / 100
+        if self.piece_gap_mm is not None and self.piece_gap_mm < least:
+            raise InvalidValue(
+                "cutter.piece_gap_mm",
+                self.piece_gap_mm,
+                f"be at least {least:g}, for the slots beside two pieces with bridges",
+                "Leave it out, or lower slot_mm.",
+            )
 
     def _require_shareable(self) -> None:
         """Raise `InvalidState` where pieces cannot have sides in common."""
@@ -129,19 +139,24 @@ class SheetRequest:
 
     @property
     def margin_mm(self) -> float:
-        """Kept free around the bed: its margin, the border for registration, a knife's offset."""
+        """Kept free around the bed: its margin, and what is cut or marked beside pieces."""
         border = self.registration.border_mm if self.registration is not None else 0.0
-        return self.machine.margin_mm + border + self.machine.knife.offset_mm
+        beside = border + self.machine.knife.offset_mm + self.slot_reach_mm
+        return self.machine.margin_mm + beside
+
+    @property
+    def slot_reach_mm(self) -> float:
+        """How far slots beside outlines that have bridges reach, 0 where there are none."""
+        slotted = self.wishes.closed_slots and self.wishes.bridges > 0
+        return SLOT_REACH * self.wishes.slot_mm if slotted else 0.0
 
     @property
     def gap_mm(self) -> float:
         """Kept free between two pieces on a sheet."""
         if self.piece_gap_mm is not None:
             return self.piece_gap_mm
-        knife, wishes = self.machine.knife, self.wishes
-        beside = knife.lead_in_mm + knife.offset_mm
-        if wishes.closed_slots and wishes.bridges:
-            beside += 2 * wishes.slot_mm
+        knife = self.machine.knife
+        beside = knife.lead_in_mm + knife.offset_mm + 2 * self.slot_reach_mm
         return max(_GAP_MM, _GAP_KERFS * self.machine.beam.widest_mm) + beside
 
     @property

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fab.drawings.beam import Beam
-from fab.drawings.closed_slots import closed_slots, dash_slots, slot_beside
+from fab.drawings.closed_slots import SLOT_REACH, closed_slots, dash_slots, slot_beside
 from fab.drawings.cut_paths import CutPaths, Layer, Operation
+from fab.drawings.holding_bridges import bridged
 from fab.geometry.rings import is_hole
 from solver import InvalidValue
 
@@ -66,12 +67,47 @@ def test_slits_that_reach_outlines_or_holes_are_part_of_them():
 
 def test_a_slot_beside_a_cut_takes_nothing_of_the_piece():
     arc = np.array([[20.0, 0], [100, 0], [100, 60]])  # material on the left
-    ring = slot_beside(arc, 0.5, Beam.of(0.1))
+    ring = slot_beside(arc, SQUARE, 0.5, Beam.of(0.1))
     slot = shapely.Polygon(ring)
     assert slot.intersection(shapely.Polygon(SQUARE)).area < 1e-9
     assert slot.boundary.intersection(shapely.LineString(arc)).length == pytest.approx(140.0)
     assert slot.area == pytest.approx(140 * 0.4 + 0.4**2)
     assert is_hole(ring)
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(st.tuples(st.floats(5, 40), st.floats(0.2, 1)), min_size=3, max_size=12),
+    st.floats(0.3, 6),
+)
+def test_slots_beside_any_outline_follow_it_and_take_nothing_of_the_piece(spokes, slot):
+    """Stars: sharp notches, and some narrower than the slot."""
+    radius, step = np.array(spokes).T
+    angle = 2 * np.pi * np.cumsum(step) / step.sum()
+    ring = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    piece = shapely.Polygon(ring)
+    assume(piece.is_valid and not is_hole(ring))
+    made = bridged([ring], 3, 0.4, Beam.of(0.1), clear_mm=SLOT_REACH * slot)
+    assert len(made.chains) == sum(made.counts)
+    for chain in made.chains:
+        beside = shapely.Polygon(slot_beside(chain, ring, slot, Beam.of(0.1)))
+        assert beside.intersection(piece).area < 1e-6
+        line = shapely.LineString(chain)
+        left_out = line.difference(beside.exterior.buffer(1e-6)).length
+        assert left_out == pytest.approx(0.0, abs=1e-4)
+        assert beside.hausdorff_distance(line) <= SLOT_REACH * slot
+
+
+def test_bridges_lead_across_what_is_cut_away():
+    """A slit of 1 mm in a plate, beside slots of 2 mm that fill it."""
+    plate = np.array([[0.0, 0], [49.5, 0], [49.5, 40], [50.5, 40], [50.5, 0], [100, 0]])
+    ring = np.concatenate([plate, [[100.0, 60], [0, 60]]])
+    for clear in (0.0, 2.0):
+        made = bridged([ring], 8, 0.4, Beam.of(0.1), clear_mm=clear)
+        ends = np.concatenate([chain[[0, -1]] for chain in made.chains])
+        inside = (np.abs(ends[:, 0] - 50) < 0.6) & (ends[:, 1] < 40)
+        assert made.counts[0] > 3
+        assert inside.any() == (clear == 0)
 
 
 def test_slots_narrower_than_the_kerf_are_refused_and_marks_stay():

@@ -68,7 +68,7 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("face", "faults"),
     [
-        ("a", {"": ("'a'", "a whole number or be a list, such as [1.0, 2.0]")}),
+        ("a", {"": ("'a'", 'a whole number or be a list, such as [1.0, 2.0] or ["A", "B"]')}),
         ([1, "x", 0.5], {".1": ("'x'", "a whole number"), ".2": ("0.5", "a whole number")}),
     ],
 )

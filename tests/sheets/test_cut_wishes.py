@@ -2,6 +2,7 @@
 
 import re
 import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
 from io import BytesIO, StringIO
 
 import ezdxf
@@ -111,6 +112,7 @@ DRAG = Knife(offset_mm=0.3, overcut_mm=1.0, lead_in_mm=3.0)
         (window, {"kerf_mm": (0.1, 0.2), "knife": DRAG}, ALL),
         (popup, {"knife": DRAG}, {"bridges": 2, "title": True}),
         (window, {}, {"closed_slots": True, "bridges": 4}),
+        (window, {"margin_mm": 0.0}, {"closed_slots": True, "bridges": 4, "slot_mm": 2.0}),
     ],
 )
 def test_all_formats_and_the_report_have_the_same_lengths_whatever_is_wished(pattern, of, wishes):
@@ -202,6 +204,8 @@ def test_closed_slots_leave_no_open_cut():
 def test_wishes_that_contradict_each_other_are_refused_with_the_cure():
     with pytest.raises(InvalidValue, match=r"cutter.slot_mm.*kerf \(0\.15 mm\)"):
         request_of(closed_slots=True, slot_mm=0.1)
+    with pytest.raises(InvalidValue, match=r"cutter.piece_gap_mm = 1\.0 .*at least 3\.6"):
+        replace(request_of(closed_slots=True, slot_mm=1.0, bridges=2), piece_gap_mm=1.0)
     for wish in ("mirror", "closed_slots"):
         with pytest.raises(InvalidState, match=f"two_sided.*{wish}"):
             request_of(registration=Registration(), **{wish: True})

@@ -122,3 +122,16 @@ def test_any_key_is_set_on_the_command_line(tmp_path, monkeypatch):
     result = CliRunner().invoke(main, [*words, "--set", "cutter.machine=laser"])
     assert result.exit_code == 2
     assert "machine 'laser' must be one of" in result.output
+
+
+@pytest.mark.parametrize("value", ["1e9", "-1e9", '"no"', "[]", "[7.5]", "nan", "true"])
+@pytest.mark.parametrize("key", sorted(CutterSettings.model_fields))
+def test_a_wrong_value_of_any_key_is_refused_in_words_of_our_own(key, value):
+    given = {name: stock for name, stock in STOCK.items() if name != key}
+    try:
+        cutter_tables([f"cutter.{key}={value}"], given)
+    except InvalidJob as refusal:
+        text = str(refusal)
+        assert f"cutter.{key}" in text
+        assert "must" in text
+        assert "nput should" not in text
