@@ -76,13 +76,12 @@ def _of_state(sheet: ThickSheet, check: PairCheck, least_gap_mm: float | None) -
 def _overlaps(sheet: ThickSheet, check: PairCheck) -> list[Finding]:
     rows = check.overlapping
     cure = _cure(sheet, check) if len(rows) else ""
-    bend = check.state.bend_mm
-    bent = f", where rigid panels lie up to {bend:.3g} mm off the bent faces"
+    bent = f", where rigid panels lie up to {check.state.bend_mm:.3g} mm off the bent faces"
     findings = []
     for row in rows[:_LISTED_PAIRS].tolist():
         shared, depth = check.overlap_mm3[row], check.depth_mm[row]
         measure = f"share {shared:.3g} mm3, up to {depth:.3g} mm deep"
-        measure += bent if bend > _BENT_MM else ""
+        measure += bent if _bends(check) else ""
         # faces that bend may have more room than the rigid ones nearest to them
         severity = Severity.ERROR if check.deep[row] else Severity.WARNING
         findings.append(
@@ -145,7 +144,9 @@ def _named(
     edge = int(check.edges[pair])
     if edge < 0:
         return text, panels, ()
+    limit = sheet.panel.fold_limit_deg
     angle, end = check.state.angles_deg[edge], sheet.pattern.edges_foldAngle[edge]
+    end = min(max(end, -limit), limit)
     text += f" across crease {edge} (at {angle:.4g} degrees, made for {end:.4g})"
     return text, panels, (edge,)
 
@@ -187,9 +188,9 @@ def _jams(
             "panels-jam",
             Severity.WARNING,
             f"panels jam between flat and the target{begin}: {_states(deep)}. Worst are {text}, "
-            f"up to {depth:.3g} mm deep {check.state.name}, where rigid panels lie up to "
-            f"{check.state.bend_mm:.3g} mm off the simulated sheet: they bend by as much, or "
-            "do not pass. Raise gap_mm or lower thickness_mm.",
+            f"up to {depth:.3g} mm deep {check.state.name}, {_off_the_sheet(check)}: they "
+            f"{'bend by as much, or ' if _bends(check) else ''}do not pass. Raise gap_mm, or lower "
+            "thickness_mm or fold_limit_deg.",
             creases,
             panels,
         )
@@ -212,13 +213,24 @@ def _near_between(sheet: ThickSheet, checks: Sequence[PairCheck]) -> list[Findin
             "clearance-between",
             Severity.WARNING,
             f"panels come nearer between flat and the target than at either: {_states(near)}. "
-            f"Worst are {text}, {check.apart_mm[row]:.4g} mm apart {check.state.name}, where rigid "
-            f"panels lie up to {check.state.bend_mm:.3g} mm off the simulated sheet. "
-            "Raise gap_mm.",
+            f"Worst are {text}, {check.apart_mm[row]:.4g} mm apart {check.state.name}, "
+            f"{_off_the_sheet(check)}. Raise gap_mm.",
             creases,
             panels,
         )
     ]
+
+
+def _bends(check: PairCheck) -> bool:
+    """Whether faces have to bend in a state."""
+    return check.state.bend_mm > _BENT_MM
+
+
+def _off_the_sheet(check: PairCheck) -> str:
+    """How far panels are from the faces of the simulated sheet in a state."""
+    if not _bends(check):
+        return "where no face bends"
+    return f"where rigid panels lie up to {check.state.bend_mm:.3g} mm off the simulated sheet"
 
 
 def _states(found: Sequence[tuple[float, PairCheck, int]]) -> str:

@@ -199,7 +199,10 @@ class Window:
         if self.clear_max_mm is None or self.clear_max_mm == self.thickness_max_mm:
             return []
         if self.clear_max_mm == 0.0:
-            return ["    but panels overlap at the target at every thickness: raise gap_mm"]
+            return [
+                "    but panels overlap at the target at every thickness: lower fold_limit_deg, or "
+                "raise gap_mm"
+            ]
         return [
             "    but without overlap of panels at the target only with thickness_mm at most "
             f"{rounded_down(self.clear_max_mm)}, at this gap_mm"

@@ -162,12 +162,16 @@ def make_joints(
         pockets = shapely.polygons(joint.pockets).tolist() if len(joint.pockets) else []
         taken.setdefault(joint.faces[1], []).extend(pockets)
         joints.append(joint)
-    filmed = crease_kinds(sheet.pattern, sheet.hinge) == "film"
+    kinds = crease_kinds(sheet.pattern, sheet.hinge)
+    filmed, bare = kinds == "film", kinds == "none"
     refused = [
-        joint for joint in joints if joint.kind != settings.joint and not filmed[joint.crease]
+        joint
+        for joint in joints
+        if joint.kind != settings.joint and not (filmed | bare)[joint.crease]
     ]
     return joints, [
         *_taped_films(joints, filmed, embedded=sheet.hinge.embedded),
+        *_bare(joints, bare),
         *_findings(site, refused),
     ]
 
@@ -209,6 +213,18 @@ def _taped_films(joints: Sequence[Joint], filmed: BoolArray, *, embedded: bool) 
         f"parts edge to edge, and {how}"
     )
     return [Finding("film-taped", Severity.NOTE, text, creases=first_few(edges))]
+
+
+def _bare(joints: Sequence[Joint], bare: BoolArray) -> list[Finding]:
+    """A note of the creases between parts that are to have no hinge, and so no joint."""
+    edges = [joint.crease for joint in joints if bare[joint.crease]]
+    if not edges:
+        return []
+    text = (
+        f"{counted(len(edges), 'crease', 'creases')} between parts without a hinge: join them as "
+        "all others that have none, by tape or laminate."
+    )
+    return [Finding("joint-bare", Severity.NOTE, text, creases=first_few(edges))]
 
 
 def _largest_joint(
@@ -280,10 +296,11 @@ def _findings(site: _Site, joints: Sequence[Joint]) -> list[Finding]:
         plan = joint_plan(settings, settings.joint, size, 0.0, 0.0)
         needs = f"{plan.width:.4g} x {float(np.ptp(plan.pocket[:, 1])):.4g} mm"
         why = f"no room in its panels for a pocket of {needs} and walls of {settings.wall_mm:g} mm"
+        cure = "Lower mouth_mm, depth_mm or wall_mm, or enlarge the sheet."
         if longest in sheet.knuckles.creases:
             why = f"no room for pockets behind its barrels, with walls of {settings.wall_mm:g} mm"
         elif not site.has_web(longest):
-            why = "no web"
+            why, cure = "no web", "The finding hinge-missing says what gives it one."
         elif settings.joint == "pin" and not site.kinds:
             why = f"no roof of {settings.roof_mm:g} mm above a strap"
         which = ("crease between parts is", "creases between parts are")
@@ -294,8 +311,7 @@ def _findings(site: _Site, joints: Sequence[Joint]) -> list[Finding]:
                 f"joint-{kind}",
                 Severity.WARNING,
                 f"{counted(len(edges), *which)} {joined}: {most}crease {longest} of "
-                f"{length[longest]:.4g} mm, has {why}. Lower mouth_mm, depth_mm or wall_mm, or "
-                "enlarge the sheet.",
+                f"{length[longest]:.4g} mm, has {why}. {cure}",
                 creases=first_few(edges),
             )
         )

@@ -74,7 +74,7 @@ def inspect_print(
     material_count : of how many different materials panels and hinges are to be.
     """
     return [
-        *_size(joined, printer),
+        *_size(joined, printer, divided=not sheet.hinge.embedded),
         *_walls(sheet.panels, printer),
         *_gaps(sheet, printer),
         *_layers(sheet, printer),
@@ -134,8 +134,11 @@ def bed_area_mm2(joined: TriangleMesh) -> float:
     return float(norm(cross(b - a, c - a)).sum() / 2)
 
 
-def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
-    """Whether the print fits the bed and height of the printer, at any angle on the bed."""
+def _size(joined: TriangleMesh, printer: Printer, *, divided: bool) -> list[Finding]:
+    """Whether the print fits the bed and height of the printer, at any angle on the bed.
+
+    divided : whether it is one that can be printed in parts.
+    """
     coords = joined.vertices_coords
     if not len(coords):
         return []
@@ -144,13 +147,18 @@ def _size(joined: TriangleMesh, printer: Printer) -> list[Finding]:
     _, box, over = fitting_box(coords[:, :2], printer.room_mm)
     if over > _ON_BED_MM:
         short, long = box
+        cure = (
+            "let `thicken` print it in parts"
+            if divided
+            else "leave hinges.embedded out: films below their panels are printed in parts"
+        )
         findings.append(
             Finding(
                 "print-too-large",
                 Severity.ERROR,
                 f"the flat print needs {long:.4g} x {short:.4g} mm, the printer has {room[1]:g} x "
                 f"{room[0]:g} within its margins. Scale it to {min(room / box):.3g} of "
-                "its size at most, or let `thicken` print it in parts.",
+                f"its size at most, or {cure}.",
             )
         )
     height = float(np.ptp(coords[:, 2]))

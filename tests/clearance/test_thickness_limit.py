@@ -107,7 +107,9 @@ def test_a_sheet_that_passes_through_itself_has_no_thickness():
     assert "at every thickness that these hinges allow: fold less" in found.text
     window = feasible_window(pattern, panel, hinge, collisions(pattern, panel, hinge))
     assert window.clear_max_mm == 0.0
-    assert "overlap at the target at every thickness" in "\n".join(window.lines())
+    assert "overlap at the target at every thickness: lower fold_limit_deg" in "\n".join(
+        window.lines()
+    )
 
 
 def test_a_limit_that_stops_the_sheet_makes_that_state_the_target():

@@ -21,6 +21,7 @@ from pydantic import ValidationError
 from thick_sheets import in_pose
 
 from fab import read_pattern
+from fab.errors import Severity
 from fab.geometry.booleans import manifold_of, manifolds, meshes, prism, solid
 from fab.jobs.grow import grown_pattern
 from fab.jobs.job import load_job
@@ -233,6 +234,24 @@ def test_taped_creases_have_no_web():
     assert joint.kind == "tape"
     assert sheet.names == ("panel_0", "panel_1")
     assert sheet.bodies.volumes_mm3() == pytest.approx(old.bodies.volumes_mm3()[:2], rel=1e-12)
+
+
+def test_creases_that_are_to_have_no_hinge_are_noted_without_advice_for_dovetails():
+    _, joint, (found,) = joined(thick(two_panels(), hinge=HingeSettings(kind="none")))
+    assert joint.kind == "tape"
+    assert (found.code, found.severity) == ("joint-bare", Severity.NOTE)
+    assert found.creases == (joint.crease,)
+    assert "mouth_mm" not in found.text
+
+
+def test_creases_without_room_for_a_web_are_taped_and_refer_to_what_gives_them_one():
+    sheet = thick(two_panels(), hinge=HingeSettings(relief_mm=30.0))
+    assert sheet.names == ("panel_0", "panel_1")
+    (found,) = joined(sheet)[2]
+    assert found.code == "joint-tape"
+    assert "no web" in found.text
+    assert "hinge-missing" in found.text
+    assert "mouth_mm" not in found.text
 
 
 def test_thin_panels_have_tongues_as_high_as_themselves():

@@ -212,6 +212,13 @@ def test_size_is_checked_however_the_print_lies():
     assert only(found, "print-too-large", "error")
     assert "40 x 20 mm" in found[0].text
     assert "0.8 of its size" in found[0].text
+    assert "print it in parts" in found[0].text
+    # no parts are joined around an embedded film
+    embedded = HingeSettings(kind="film", embedded=True)
+    filmed, _ = thicken(book(0.0), PanelSettings(thickness_mm=1.0), embedded)
+    (found,) = printed(filmed, PRINTER, **sizes | {"bed_mm": (20.0, 32.0)})
+    assert found.code == "print-too-large"
+    assert "leave hinges.embedded out" in found.text
     # a print that lies askew fits when turned
     turn = np.radians(30)
     spun = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
