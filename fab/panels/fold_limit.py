@@ -26,6 +26,8 @@ _FURTHER = 1.5
 # Panels go back from their axis for clearance no farther than to gaps so many times as wide: near
 # 180 degrees they would lose most of their faces to it for a degree or two.
 _WIDEST_GAP = 10.0
+# Panels that fold by less are too thick for their sheet.
+_HARDLY_DEG = 15.0
 _LEAST_LIMIT_DEG = 1e-3
 _EXACT = 1e-5
 
@@ -39,7 +41,9 @@ def panels_within_reach(
     """Settings of panels whose creases fold as far as they can, and a finding that says how far.
 
     As they are where a fold limit is given, and where all faces have a panel on this sheet or on
-    one 10 times as large, or at no fold limit. least_width_mm : of panels, at their bottom and top.
+    one 10 times as large, or at no fold limit of 15 degrees or more.
+
+    least_width_mm : of panels, at their bottom and top.
     """
     if "fold_limit_deg" in panel.model_fields_set:
         return panel, []
@@ -48,7 +52,7 @@ def panels_within_reach(
     if lost.any():
         lost &= ~feasibility.faces_feasible(scale=_LARGER)
     limit = reachable_limit_deg(feasibility) if lost.any() else None
-    if limit is None:
+    if limit is None or limit < _HARDLY_DEG:
         return panel, []
     made = panel.model_copy(update={"fold_limit_deg": limit})
     return made, [_limited(feasibility, np.flatnonzero(lost), limit)]

@@ -15,12 +15,13 @@ import pytest
 from formats import drawing_dialects
 from formats.svg import dialects as svg_dialects
 
+from fab.drawings.drawing_files import SheetFormat
 from fab.folding.fold_settings import FoldSettings
 from fab.formats.pattern_file import resized
 from fab.formats.read_options import ReadOptions
 from fab.jobs.folding_files import SimulationFormat, simulate
 from fab.jobs.reading import read_any
-from fab.jobs.sheet_files import SheetFormat, fabricate
+from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import fold_angles_deg
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_request import SheetRequest

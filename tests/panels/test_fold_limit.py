@@ -80,6 +80,12 @@ def test_a_limit_that_is_given_is_kept_and_small_folds_need_none():
     # too small for their thickness at any fold: no limit helps, and the error says so
     thick = PanelSettings(thickness_mm=3.0, gap_mm=80.0)
     assert panels_within_reach(folded_pair(180.0), thick, LOOSE) == (thick, [])
+    # or only by a few degrees: 30 mm less half a gap and the least width over tan(15 / 2 degrees)
+    most = (30.0 - 0.5 - 2 * LEAST_RADIUS_MM) / np.tan(np.radians(7.5))
+    for thickness, made_for in ((1.001 * most, []), (0.998 * most, ["fold-limited"])):
+        thick = PanelSettings(thickness_mm=thickness)
+        found = panels_within_reach(folded_pair(180.0), thick, LOOSE)[1]
+        assert [each.code for each in found] == made_for
 
 
 @given(st.floats(0.3, 1.0), st.booleans())
@@ -100,12 +106,13 @@ def test_a_sliver_at_the_rim_does_not_set_the_limit_for_the_sheet(sliver, last):
 
 
 def test_a_sliver_that_holds_the_sheet_together_is_not_given_up():
-    pattern = columns([60.0, 1.1, 60.0])
+    pattern = columns([210.0, 4.0, 210.0])
     made, (limited,) = panels_within_reach(pattern, PanelSettings(), HingeSettings())
     sheet, _ = thicken(pattern, made, HingeSettings())
     assert len(sheet.panels.faces) == 3
     assert len(sheet.held) == 2
     assert "all of them" in limited.text
+    assert 60 < made.fold_limit_deg < 90
 
 
 def test_what_is_named_without_slivers_holds():
