@@ -15,7 +15,7 @@ from fab.cli.progress_lines import progress_of
 from fab.errors import Severity
 from fab.jobs.file_names import Family, left_over
 from fab.outputs import Made, require_folder, write
-from fab.progress import Progress, Watch
+from fab.progress import Progress
 
 __all__ = ["FilesOf", "Told", "deliver", "write_made"]
 
@@ -59,9 +59,7 @@ def deliver(
     require_folder(out)
     in_lines = told in (Told.LINES, Told.ALL)
     with progress_of(interrupts, lines=in_lines) as progress:
-        watch = Watch(progress)
-        made = make(watch)
-        watched = watch.seconds()
+        made = make(progress)
     interrupts.check()
     if in_lines:
         write_made(made, out, dry_run=dry_run)
@@ -72,7 +70,7 @@ def deliver(
     if told is Told.ERRORS:
         tell([finding for finding in made.findings if finding.severity is Severity.ERROR])
     if told is Told.ALL:
-        for stage, seconds in made.report.get("seconds", watched).items():
+        for stage, seconds in made.report.get("seconds", {}).items():
             say(f"{stage:<10}  {seconds:.2f} s")
     if in_lines:
         for line in summary(made.report):

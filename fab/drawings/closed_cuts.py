@@ -6,7 +6,6 @@ start stays uncut there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,8 +26,6 @@ _SHARES = (1.0, 0.5, 0.25)
 _MOST_TRIED = 24
 # Shorter sums of two unit vectors have no direction of their own.
 _STRAIGHT = 1e-3
-# Open cuts that end nearer to others than this enclose what is within, mm.
-_MEET_MM = 5e-3
 # Lead-ins touch no other line to within this, mm, where they are not at the start of their own.
 _CLEAR_MM = 1e-3
 
@@ -46,10 +43,9 @@ def led_in(
     """Closed cuts that begin `lead_in_mm` before their start and end `overcut_mm` after it.
 
     The lead-in is a straight cut in what is thrown away: outside of pieces, inside holes. At a
-    corner of a piece it is in line with the side that follows. It crosses no cut, begins in no
-    piece that shares sides with others, and stays within the margin of the sheet; it is shorter, or
-    begins at another corner, where there is no room for it. Engraved lines and dashes stay as they
-    are, and so do open cuts.
+    corner of a piece it is in line with the side that follows. It crosses no cut and stays within
+    the margin of the sheet, and it is shorter, or begins at another corner, where there is no room
+    for it. Engraved lines and dashes stay as they are, and so do open cuts.
 
     turned_over : whether outlines have their material on the right, as on the back of a sheet; it
         is on the left otherwise.
@@ -96,13 +92,11 @@ class _Room:
     Attributes
     ----------
     figures : within each closed cut; piece : which of them are around material, shape (n,).
-    enclosed : within open cuts that meet, as around pieces that share sides.
     tree : of all cuts; sheet : what they must stay on.
     """
 
     figures: Shapes
     piece: NDArray[np.bool_]
-    enclosed: shapely.MultiPolygon
     tree: shapely.STRtree
     sheet: shapely.Polygon
 
@@ -119,8 +113,7 @@ class _Room:
         width, depth = paths.size_mm
         sheet = shapely.box(margin_mm, margin_mm, width - margin_mm, depth - margin_mm)
         piece = np.array([is_hole(ring) == turned_over for ring in rings], dtype=bool)
-        enclosed = _enclosed([layer for layer in through if layer.operation is Operation.CUT])
-        return cls(figures, piece, enclosed, shapely.STRtree(lines), sheet)
+        return cls(figures, piece, shapely.STRtree(lines), sheet)
 
     def lead_in(self, ring: FloatArray, number: int, length_mm: float) -> tuple[int, FloatArray]:
         """The corner at which a ring begins, and where its lead-in begins, shape (1 or 0, 2)."""
@@ -131,8 +124,6 @@ class _Room:
         for share in _SHARES:
             begins = starts + share * length_mm * directions
             waste = shapely.contains_xy(figure, begins[:, 0], begins[:, 1]) != self.piece[number]
-            if self.piece[number]:
-                waste &= ~shapely.contains_xy(self.enclosed, begins[:, 0], begins[:, 1])
             for i in np.flatnonzero(waste).tolist():
                 if self._clear(starts[i], begins[i]):
                     return int(corners[i]), begins[i][None]
@@ -144,21 +135,6 @@ class _Room:
         free = 2 * _CLEAR_MM / max(float(np.hypot(*span)), 2 * _CLEAR_MM)
         lead = shapely.LineString([begin, start + free * span])
         return self.sheet.covers(lead) and not len(self.tree.query(lead, "dwithin", _CLEAR_MM))
-
-
-def _enclosed(layers: Sequence[Layer]) -> shapely.MultiPolygon:
-    """What is within cuts of which some are open and end at others."""
-    open_lines = [shapely.LineString(line) for la in layers for line in (*la.segments, *la.chains)]
-    if not open_lines:
-        return shapely.MultiPolygon()
-    closed = [shapely.LinearRing(ring) for layer in layers for ring in layer.outlines]
-    swollen = shapely.union_all(shapely.buffer([*open_lines, *closed], _MEET_MM, quad_segs=2))
-    parts = shapely.get_parts(swollen)
-    ended = np.unique(shapely.STRtree(parts).query(open_lines, predicate="intersects")[1])
-    within = [shapely.Polygon(ring) for part in parts[ended] for ring in part.interiors]
-    out = shapely.MultiPolygon(within)
-    shapely.prepare(out)
-    return out
 
 
 def _directions(ring: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -74,12 +74,6 @@ def test_verbose_prints_every_finding_and_the_seconds_of_each_stage(tmp_path):
         assert re.search(rf"^{re.escape(stage)} +\d+\.\d\d s$", verbose.stdout, re.MULTILINE)
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=[command[0] for command in COMMANDS])
-def test_verbose_prints_seconds_of_stages_whatever_the_command(command, tmp_path):
-    verbose = run(*command, "--out", tmp_path, "--verbose")
-    assert re.search(r"^[a-z]+ +\d+\.\d\d s$", verbose.stdout, re.MULTILINE)
-
-
 def test_formats_of_several_options_add_up(tmp_path):
     words = ("run", "miura", "--only", "dxf", "--only", "svg,dxf", "--out", tmp_path)
     assert run(*words).exit_code == 0

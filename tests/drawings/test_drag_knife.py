@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from fab.drawings.closed_cuts import led_in
 from fab.drawings.cut_paths import CutPaths, Layer, Operation, polylines
 from fab.drawings.drag_knife import blade_led
-from fab.drawings.shared_lines import cut_once
 
 SIZE = (200.0, 200.0)
 
@@ -133,18 +132,3 @@ def test_lead_ins_without_room_are_shorter_or_left_out_with_their_outline():
     assert [ring.tolist() for ring in bare] == [pierce.tolist()]
     assert 0.49 < shapely.LineString(hole[0][:2]).length <= 2.0
     assert np.array_equal(hole[1], np.concatenate([pierce, pierce[:1]]))
-
-
-@settings(max_examples=30)
-@given(st.permutations(range(9)), st.floats(0.5, 5.0))
-def test_lead_ins_begin_in_no_piece_that_shares_its_sides(order, lead):
-    """Nine squares in a block: those that come first stay closed; around the middle is no waste."""
-    square = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
-    squares = [square + np.array([20 + 10 * (i % 3), 20 + 10 * (i // 3)]) for i in order]
-    whole = CutPaths((Layer(Operation.CUT, outlines=tuple(squares)),), SIZE)
-    led, bare = led_in(cut_once(whole), lead, 1.0)
-    (layer,) = led.layers
-    within = shapely.union_all([shapely.Polygon(ring).buffer(-0.01) for ring in squares])
-    for line in (*layer.chains, *layer.segments, *layer.outlines):
-        assert not shapely.LineString(line).intersects(within)
-    assert [ring.mean(axis=0).tolist() for ring in bare] in ([], [[35.0, 35.0]])

@@ -73,7 +73,7 @@ def test_every_template_is_exact_and_without_errors(name):
     [
         ("curved_fold", 1000, (940, 950, 220), (380.0, 194.717699), 2890),
         ("miura", 80, (76, 66, 36), (200.0, 196.299091), 222),
-        ("miura_sheets", 160, (155, 139, 52), (700.0, 503.125), None),
+        ("miura_pieces", 160, (155, 139, 52), (700.0, 503.125), None),
         ("rigid_miura", 192, (170, 186, 56), (300.0, 266.786048), 548),
         ("cornered_miura", 97, (88, 84, 45), (350.0, 288.675135), 269),
         ("strip_by_strip", 60, (55, 49, 32), (180.669632, 108.768505), 164),
@@ -142,14 +142,14 @@ def test_numbers_of_the_templates(name, faces, creases, flat_mm, solids):
 
 
 def test_the_sheets_of_the_template_with_a_cutter():
-    made = made_template("miura_sheets")
+    made = made_template("miura_pieces")
     report = made.report
     assert [len(report[key]) for key in ("sheets", "pieces", "glue_up")] == [2, 2, 10]
     assert {finding.code for finding in made.findings} == {"sheet-split"}
     assert sum(sheet["minutes"] for sheet in report["sheets"]) == pytest.approx(12.3, abs=0.3)
     for sheet in report["sheets"]:
         assert set(sheet["files"]) <= set(made.files)
-    assert "miura_sheets_assembly.pdf" in made.files
+    assert "miura_pieces_assembly.pdf" in made.files
 
 
 def test_the_pair_of_one_target_differs_by_its_zigzag_alone():

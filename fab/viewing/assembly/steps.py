@@ -87,11 +87,9 @@ def _cut(model: Model, assembly: Assembly) -> WrittenStep:
 
 
 def _names(model: Model) -> str:
-    """Such as "piece C", "pieces C and D" or "pieces C to F"."""
+    """Such as "piece C" or "pieces C to F"."""
     first, last = model.pieces[0].name, model.pieces[-1].name
-    if first == last:
-        return f"piece {first}"
-    return f"pieces {first} {'and' if len(model.pieces) == 2 else 'to'} {last}"
+    return f"piece {first}" if first == last else f"pieces {first} to {last}"
 
 
 def _creased(model: Model) -> list[WrittenStep]:
