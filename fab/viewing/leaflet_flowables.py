@@ -17,6 +17,8 @@ __all__ = ["SMALL", "flowables", "paragraph", "styles"]
 SMALL, _TEXT = 7.5, 9.0
 _NUMBER_MM, _WORDS_MM = 9.0, 72.0
 _BETWEEN_MM = 3.0
+# Between facts and the names of those beside them.
+_APART_MM = 4.0
 
 
 def styles() -> dict[str, Any]:
@@ -90,7 +92,8 @@ def _facts(facts: Facts, looks: dict[str, Any]) -> Any:
     ]
     cells = [row + [""] * (4 - len(row)) for row in cells]
     name, value = 24.0, WIDTH_MM / 2 - 24.0
-    return _grid(cells, [name * mm, value * mm] * 2, _plain_grid(0.6 * mm))
+    apart = ("RIGHTPADDING", (1, 0), (1, -1), _APART_MM * mm)
+    return _grid(cells, [name * mm, value * mm] * 2, [*_plain_grid(0.6 * mm), apart])
 
 
 def _row(sketches: Sequence[Sketch], looks: dict[str, Any], width_mm: float) -> Any:
