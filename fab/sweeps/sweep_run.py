@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
@@ -170,7 +171,15 @@ def run_sweep(
         there = SweepFolder(path, sweep, variations)
         step = partial(progress, "sweep")
         result = _searched if sweep.search is not None else _swept
-        return result(there, variations, pool, step, source)
+        try:
+            return result(there, variations, pool, step, source)
+        except (CancelledError, OSError) as error:
+            if cluster is None:
+                raise
+            raise InvalidJob(
+                f"the cluster is gone: {error or 'its scheduler does not answer'}. Rows that are "
+                "done are kept: start it again, or leave it out, and run this again to go on."
+            ) from error
 
 
 def sweep(

@@ -6,11 +6,11 @@ import subprocess
 import sys
 import time
 
-import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from helpers import TEMPLATES
 from PIL import Image
+from sweep_tables import rows_of
 
 from fab.cli.group import main
 from fab.errors import InvalidJob
@@ -79,11 +79,6 @@ def small(tmp_path):
     path = tmp_path / "small.toml"
     path.write_text(SMALL)
     return path
-
-
-def rows_of(folder):
-    table = pq.read_table(folder / "results.parquet").drop_columns(["seconds"])
-    return table.to_pylist()
 
 
 def test_every_variation_has_a_row_and_alike_ones_are_run_once(small, tmp_path):
