@@ -72,10 +72,11 @@ def write_table(path: Path, schema: pa.Schema, rows: Iterable[Mapping[str, Any]]
     return count
 
 
-def unwritten(path: Path, error: OSError) -> InvalidJob:
+def unwritten(path: Path, error: Exception) -> InvalidJob:
     """The refusal of a folder that cannot take a file."""
+    why = getattr(error, "strerror", None) or error
     return InvalidJob(
-        f"{path}: cannot be written: {error.strerror or error}. What was written before is whole: "
+        f"{path}: cannot be written: {why}. What was written before is whole: "
         "free some space, and run again to go on."
     )
 

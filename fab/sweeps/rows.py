@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from fab import __version__
 from fab.errors import Severity
+from fab.outputs import Made, write
 from fab.sweeps.columns import FIGURES, figures_of
 from fab.sweeps.sweep_settings import Measure, Sweep
 from fab.sweeps.variations import Variation, hash_of
@@ -44,12 +45,14 @@ class Batch:
 def row_of(sweep: Sweep, variation: Variation, folder: Path | None = None) -> dict[str, Any]:
     """The row of a variation. What goes wrong in it is in the row, and raises nothing.
 
-    Its key "picture", of sweeps that have pictures, is no column, but a PNG file.
+    Its key "picture", of sweeps that have pictures, is no column, but a PNG file. Raises
+    `InvalidJob` where its files cannot be written, which is no fault of the variation.
     """
     began = time.perf_counter()
+    made: Made | None = None
     try:
         with _time_limit(sweep.limits.seconds):
-            outcome = _made(sweep, variation, folder)
+            outcome, made = _made(sweep, variation)
     except _TooSlow:
         text = f"took more than limits.seconds = {sweep.limits.seconds:g}"
         outcome = {"status": "too slow", "message": text}
@@ -59,6 +62,8 @@ def row_of(sweep: Sweep, variation: Variation, folder: Path | None = None) -> di
         outcome = {"status": "too large", "message": _memory_text(sweep)}
     except Exception as error:  # a fault of ours or of a library must not end the sweep
         outcome = {"status": "failed", "message": _short(f"{type(error).__name__}: {error}")}
+    if folder is not None and made is not None:
+        write(made, folder / _hash(sweep, variation))
     seconds = round(time.perf_counter() - began, 4)
     return _row(sweep, variation, {**outcome, "seconds": seconds})
 
@@ -77,28 +82,26 @@ def _hash(sweep: Sweep, variation: Variation) -> str:
     return hash_of(sweep.varied(variation.values), sweep.measured, __version__)
 
 
-def _made(sweep: Sweep, variation: Variation, folder: Path | None) -> dict[str, Any]:
+def _made(sweep: Sweep, variation: Variation) -> tuple[dict[str, Any], Made]:
+    """What is in the row, and the files that are kept."""
     from fab.jobs.job_files import grown_sheet
-    from fab.outputs import Made, write
 
     sheet = grown_sheet(sweep.job(variation.values))
     formats = {_FORMATS[measure] for measure in sweep.measure if measure in _FORMATS}
     made = sheet.make([*formats, *sweep.outputs], rigidity=Measure.RIGID in sweep.measure)
-    if folder is not None:
-        kept = tuple(f".{ending}" for ending in (*sweep.outputs, "json"))
-        files = {name: data for name, data in made.files.items() if name.endswith(kept)}
-        hashed = _hash(sweep, variation)
-        write(Made(files, made.report, made.findings), folder / hashed)
+    kept = tuple(f".{ending}" for ending in (*sweep.outputs, "json"))
+    files = {name: data for name, data in made.files.items() if name.endswith(kept)}
     codes: dict[Severity, list[str]] = {severity: [] for severity in Severity}
     for finding in made.findings:
         codes[finding.severity].append(finding.code)
-    return {
+    outcome = {
         "status": "made",
         "errors": " ".join(dict.fromkeys(codes[Severity.ERROR])),
         "warnings": " ".join(dict.fromkeys(codes[Severity.WARNING])),
         **figures_of(made.report),
         **({"picture": _picture(sheet)} if sweep.pictures else {}),
     }
+    return outcome, Made(files, made.report, made.findings)
 
 
 def _picture(sheet: Sheet) -> bytes:

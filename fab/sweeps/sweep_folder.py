@@ -167,14 +167,17 @@ class SweepFolder:
         done = parts.hashes()
         wanted: set[str] = set()
 
+        fields = axis_fields(self.variations.axes)
+        schema = pa.schema([("number", pa.int64()), ("job_hash", pa.string()), *fields])
+        texts = {field.name: str for field in fields if field.type == pa.string()}
+
         def rows() -> Iterator[dict[str, Any]]:
             for variation in self.variations:
                 hashed = self.hash_of(variation)
                 wanted.add(hashed)
-                yield {"number": variation.number, "job_hash": hashed, **variation.values}
+                values = {key: texts.get(key, _same)(v) for key, v in variation.values.items()}
+                yield {"number": variation.number, "job_hash": hashed, **values}
 
-        fields = [pa.field("number", pa.int64()), pa.field("job_hash", pa.string())]
-        schema = pa.schema([*fields, *axis_fields(self.variations.axes)])
         count = write_table(self.path / "variations.parquet", schema, rows())
         others, damaged = len(done - wanted), len(parts.damaged)
         return Plan(count, len(wanted), wanted - done, others, damaged)
@@ -226,12 +229,20 @@ class SweepFolder:
             ):
                 beside = self.path / f".{name}.new"
                 place = str(beside).replace("'", "''")
-                connection.execute(f"COPY results TO '{place}' ({options})")
-                beside.replace(self.path / name)
+                try:
+                    connection.execute(f"COPY results TO '{place}' ({options})")
+                    beside.replace(self.path / name)
+                except (duckdb.IOException, OSError) as error:
+                    beside.unlink(missing_ok=True)
+                    raise unwritten(self.path / name, error) from error
             found = connection.execute(
                 "SELECT status, count(*) FROM results GROUP BY status ORDER BY 2 DESC, 1"
             ).fetchall()
         return dict(found)
+
+
+def _same(value: Any) -> Any:
+    return value
 
 
 def _short(value: Any) -> str:

@@ -98,6 +98,14 @@ def test_every_variation_has_a_row_and_alike_ones_are_run_once(small, tmp_path):
     assert (again.begun_with, again.statuses) == (12, result.statuses)
 
 
+def test_values_of_several_types_are_text_in_the_table(small, tmp_path):
+    small.write_text('name = "s"\nbase = "miura"\n[axes]\ndesign.kind = ["miura", 3, true]\n')
+    run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
+    rows = rows_of(tmp_path / "out")
+    assert [row["design.kind"] for row in rows] == ["miura", "3", "True"]
+    assert [row["status"] for row in rows] == ["made", "refused", "refused"]
+
+
 def test_a_changed_sweep_takes_what_fits(small, tmp_path):
     run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
     before = {row["job_hash"]: row for row in rows_of(tmp_path / "out")}
@@ -168,6 +176,23 @@ def test_a_sweep_that_is_killed_goes_on_and_gives_the_same_table(small, tmp_path
     assert result.damaged == 1
     assert rows_of(out) == rows_of(tmp_path / "whole")
     assert not list(out.rglob(".*.parquet.*"))
+
+
+def test_a_folder_that_takes_no_files_ends_the_sweep_and_blames_no_variation(small, tmp_path):
+    small.write_text('outputs = ["fold"]\n' + SMALL)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "files").write_text("in the way")
+    with pytest.raises(InvalidJob, match="is a file, not a folder"):
+        run_sweep(load_sweep(small), out, jobs=1)
+    assert not list((out / "parts").glob("*.parquet"))
+    (out / "files").unlink()
+    assert run_sweep(load_sweep(small), out, jobs=1).statuses == {"made": 9, "refused": 3}
+    (out / "results.csv").unlink()
+    (out / "results.csv").mkdir()
+    with pytest.raises(InvalidJob, match=r"results\.csv: cannot be written"):
+        run_sweep(load_sweep(small), out, jobs=1)
+    assert not list(out.glob(".*.new"))
 
 
 def test_two_runs_in_a_folder_are_refused(small, tmp_path):
