@@ -163,9 +163,11 @@ def _cure(sheet: ThickSheet, check: PairCheck) -> str:
         )
     if bound == given:
         return "Raise gap_mm or clearance_mm, or fold less."
+    bent = check.state.bend_mm > _BENT_MM
+    beyond = " in this state by more than bent faces explain" if bent else ""
     return (
-        f"No panels overlap with thickness_mm at most {rounded_down(bound)}; or raise gap_mm, or "
-        "fold less."
+        f"No panels overlap{beyond} with thickness_mm at most {rounded_down(bound)}; or raise "
+        "gap_mm, or fold less."
     )
 
 
