@@ -64,10 +64,16 @@ class Finding:
 def nearest(word: object, known: Iterable[str], cutoff: float = 0.6) -> str | None:
     """The known word nearest to an unknown one; None where none is near.
 
-    cutoff : of `difflib.get_close_matches`, from 0 (anything is near) to 1.
+    cutoff : of `difflib.get_close_matches`, from 0 (anything is near) to 1. Of words that are
+    equally near, one with the same first letter is taken.
     """
-    close = difflib.get_close_matches(str(word), list(known), 1, cutoff)
-    return close[0] if close else None
+    text = str(word)
+    close = difflib.get_close_matches(text, list(known), 3, cutoff)
+    if not close:
+        return None
+    nearness = [difflib.SequenceMatcher(None, each, text).ratio() for each in close]
+    equal = [each for each, near in zip(close, nearness, strict=True) if near == nearness[0]]
+    return next((each for each in equal if each[:1] == text[:1]), equal[0])
 
 
 def did_you_mean(word: object, known: Iterable[str], cutoff: float = 0.6) -> str:

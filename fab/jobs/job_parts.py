@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Part",
+    "by_pieces",
     "goals_part",
     "growth_part",
     "measures_part",
@@ -87,7 +88,7 @@ def measures_part(sheet: FoldedSheet, clock: Clock) -> Part:
         crossings = crossing_faces(
             sheet.mesh.vertices_coords, pattern.faces_vertices, pattern.faces_offsets
         )
-        crossings, between = _by_pieces(pattern, crossings)
+        crossings, between = by_pieces(pattern, crossings)
         findings += inspect_crossings(crossings)
         if len(between):
             pairs, (first, second) = counted(len(between), "pair"), between[0]
@@ -108,7 +109,7 @@ def measures_part(sheet: FoldedSheet, clock: Clock) -> Part:
     )
 
 
-def _by_pieces(pattern: CreasePattern, pairs: IntArray) -> tuple[IntArray, IntArray]:
+def by_pieces(pattern: CreasePattern, pairs: IntArray) -> tuple[IntArray, IntArray]:
     """Pairs of faces of the same piece of a sheet, and pairs of different ones."""
     beside = pattern.edges_faces
     piece = labels(beside[beside[:, 1] >= 0], pattern.face_count)

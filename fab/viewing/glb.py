@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fab.geometry.bodies import TriangleMesh
 from fab.pattern.crease_pattern import CreasePattern
 from fab.viewing.face_triangles import face_corner_triangles
 from fab.viewing.scene import Scene, SceneBodies
@@ -30,8 +31,10 @@ _METRES_PER_MM = 1e-3
 _UP = np.array([0.0, 1.0, 0.0])
 _SECONDS = 4.0
 _APART_REL = 2e-4
-# To which coordinates of panels are rounded, so that panels that are alike are so to the last bit.
+# To which coordinates of panels are rounded, so that panels that are alike are so to the last bit;
+# off the middle between two steps, where coordinates of few digits often are.
 _DECIMALS_MM = 5
+_OFF_MIDDLE = 0.1180339887
 # Linear red, green, blue and opacity.
 _UPPER, _LOWER = (0.91, 0.67, 0.34, 1.0), (0.34, 0.5, 0.71, 1.0)
 _LINES = {
@@ -128,8 +131,9 @@ def bodies_glb_bytes(scene: Scene) -> bytes:
     material = np.full(len(bodies.faces), -1)
     material[shown] = np.array(materials)[of_shown.ravel()]
     channels: dict[int, Channels] = {}
+    alike: dict[bytes, TriangleMesh] = {}
     for body in rigid.tolist():
-        channels |= _rigid_node(document, bodies, body, int(material[body]))
+        channels |= _rigid_node(document, bodies, body, int(material[body]), alike)
     if len(bending):
         channels |= _bending_node(document, bodies, bending, material)
     count = len(bodies.turns)
@@ -139,9 +143,17 @@ def bodies_glb_bytes(scene: Scene) -> bytes:
 
 
 def _rigid_node(
-    document: GltfDocument, bodies: SceneBodies, body: int, material: int
+    document: GltfDocument,
+    bodies: SceneBodies,
+    body: int,
+    material: int,
+    alike: dict[bytes, TriangleMesh],
 ) -> dict[int, Channels]:
-    """A node for a rigid body, at its last pose, and how it moves."""
+    """A node for a rigid body, at its last pose, and how it moves.
+
+    alike : bodies before it around their middles, by their vertices: one that has the same takes
+    the triangles of that, which rounding may have cut in another way. It is added to.
+    """
     from pygltflib import Attributes, Primitive
     from scipy.spatial.transform import Rotation
 
@@ -150,9 +162,12 @@ def _rigid_node(
     turns, shifts = bodies.turns[:, face], bodies.shifts[:, face]
     places = _in_metres(turns @ middle + shifts)
     quaternions = _without_jumps(Rotation.from_matrix(_AXES @ turns @ _AXES.T).as_quat())
+    local = _stepped(mesh.vertices_coords - middle)
+    mesh = alike.setdefault(
+        local.tobytes(), TriangleMesh(local, mesh.triangles, mesh.triangles_plane)
+    )
     triangles, vertices, plane = _unshared(mesh.triangles, mesh.triangles_plane)
-    local = np.round(mesh.vertices_coords[vertices] - middle, _DECIMALS_MM)
-    coords = _in_metres(local + 0.0)  # without negative zeros
+    coords = _in_metres(local[vertices])
     primitive = Primitive(
         attributes=Attributes(
             POSITION=document.positions(coords),
@@ -165,6 +180,12 @@ def _rigid_node(
         name, document.mesh(name, [primitive]), places[-1].tolist(), quaternions[-1].tolist()
     )
     return {number: {"translation": places, "rotation": quaternions}}
+
+
+def _stepped(coords: FloatArray) -> FloatArray:
+    """Coordinates on steps of 1e-5 mm, at most 0.62 of one away, without negative zeros."""
+    steps = np.floor(coords * 10.0**_DECIMALS_MM + (0.5 + _OFF_MIDDLE))
+    return np.asarray(np.round(steps / 10.0**_DECIMALS_MM, _DECIMALS_MM) + 0.0)
 
 
 def _bending_node(

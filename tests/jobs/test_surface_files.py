@@ -14,7 +14,7 @@ from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob, Severity
 from fab.jobs.grow import grown_pattern, growth_findings
 from fab.jobs.job import parse_job
-from fab.jobs.job_files import _by_pieces
+from fab.jobs.job_parts import by_pieces
 from fab.surfaces.reading import read_surface_mesh
 from solver import Growth, InvalidValue, Miura, QuadMesh, Status, SurfaceFit
 from solver.relaxed_fit import joined
@@ -169,7 +169,7 @@ def _made_of(mesh):
 
 def test_pairs_of_faces_are_told_apart_by_their_pieces():
     pattern = _made_of(pieces_apart(3.0)).pattern
-    same, between = _by_pieces(pattern, np.array([[0, 3], [1, 4], [4, 7], [3, 7]]))
+    same, between = by_pieces(pattern, np.array([[0, 3], [1, 4], [4, 7], [3, 7]]))
     assert same.tolist() == [[0, 3], [4, 7]]
     assert between.tolist() == [[1, 4], [3, 7]]
 

@@ -269,7 +269,7 @@ def test_everything_is_reached_and_moved_by_the_keyboard(browser, pages):
                 if page.evaluate("document.activeElement.closest('section').id") == "pattern":
                     assert page.locator("#pattern figure > svg").get_attribute("viewBox") != box
         assert reached[-1] == "BODY"  # nothing holds the focus
-        for each in ("BUTTON theme", "BUTTON 0", "CANVAS", "BUTTON play", "INPUT fold", "svg"):
+        for each in ("BUTTON theme", "BUTTON 1", "CANVAS", "BUTTON play", "INPUT fold", "svg"):
             assert each in reached
         for each in ("BUTTON in", "BUTTON out", "BUTTON whole", "BUTTON left", "SUMMARY", "A"):
             assert each in reached
