@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 wants_slicer = pytest.mark.skipif(
-    shutil.which("prusa-slicer") is None, reason="wants prusa-slicer in the path"
+    shutil.which("prusa-slicer") is None, reason="no prusa-slicer: install Debian's"
 )
 
 

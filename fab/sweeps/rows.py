@@ -10,18 +10,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fab import __version__
 from fab.errors import Severity
+from fab.jobs.job_files import Sheet, grown_sheet
 from fab.outputs import Made, write
 from fab.sweeps.columns import FIGURES, figures_of
 from fab.sweeps.sweep_settings import Measure, Sweep
 from fab.sweeps.variations import Variation, hash_of
 from solver.errors import OrigamiError
-
-if TYPE_CHECKING:
-    from fab.jobs.job_files import Sheet
 
 __all__ = ["Batch", "ended_row", "row_of"]
 
@@ -84,8 +82,6 @@ def _hash(sweep: Sweep, variation: Variation) -> str:
 
 def _made(sweep: Sweep, variation: Variation) -> tuple[dict[str, Any], Made]:
     """What is in the row, and the files that are kept."""
-    from fab.jobs.job_files import grown_sheet
-
     sheet = grown_sheet(sweep.job(variation.values))
     formats = {_FORMATS[measure] for measure in sweep.measure if measure in _FORMATS}
     made = sheet.make([*formats, *sweep.outputs], rigidity=Measure.RIGID in sweep.measure)

@@ -93,8 +93,10 @@ def _watched_rows(batch: Batch) -> Iterator[dict[str, Any]]:
         watch = threading.Timer(batch.sweep.limits.seconds + _GRACE_S, os._exit, (_OVER,))
         watch.daemon = True
         watch.start()
-        row = row_of(batch.sweep, variation, batch.folder)
-        watch.cancel()
+        try:
+            row = row_of(batch.sweep, variation, batch.folder)
+        finally:
+            watch.cancel()
         yield row
 
 

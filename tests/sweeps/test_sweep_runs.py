@@ -30,6 +30,7 @@ design.fold_deg = { from = 10.0, to = 100.0, steps = 4 }
 # A design that does what its key says, in the place of the growth of a Miura sheet.
 UNRULY = """
 import os, time
+from contextlib import suppress
 from dataclasses import dataclass
 from solver import Miura
 
@@ -45,10 +46,8 @@ class Unruly:
         if self.how == "sleeps":
             time.sleep(60)
         while self.how == "hangs":
-            try:
+            with suppress(BaseException):  # as a library that answers to nothing
                 time.sleep(60)
-            except BaseException:
-                pass
         if self.how == "grows":
             bytearray(1 << 34)
         return Miura(columns=2, rows=2).grow()
