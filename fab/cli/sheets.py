@@ -123,6 +123,8 @@ def _copies(text: str | None, files: int) -> tuple[int | None, list[int]]:
         raise InvalidJob(
             f"--copies {shortened(text)}: must be a whole number, or one for each file: 2,1."
         ) from error
+    if min(numbers) < 1:
+        raise InvalidJob(f"--copies {shortened(text)}: copies = {min(numbers)} must be at least 1.")
     if len(numbers) == 1:
         return numbers[0], [1] * files
     if len(numbers) != files:

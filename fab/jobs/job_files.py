@@ -181,12 +181,14 @@ def _made(
         drawings_part(sheet, wanted, clock),
         solids_part(sheet, wanted, clock),
         simulation_part(sheet, wanted, clock),
-        rigidity_part(sheet, clock) if rigidity else Part(report={"rigid": None}),
+        # a simulation has found it already
+        rigidity_part(sheet, clock) if rigidity and sheet.settings.simulation is None else Part(),
         picture_part(sheet, wanted, clock),
     ]
     report: dict[str, Any] = {
         "quadfold": __version__,
         "job": sheet.settings.model_dump(mode="json"),
+        "rigid": None,
     }
     files: dict[str, bytes] = {}
     for part in parts:

@@ -136,7 +136,7 @@ def seams_part(sheet: FoldedSheet) -> Part:
 
 
 def simulation_part(sheet: FoldedSheet, wanted: set[Format], clock: Clock) -> Part:
-    """The verdict of its simulation, where the settings ask for one."""
+    """The verdict of its simulation, where the settings ask for one, and whether it is rigid."""
     settings = sheet.settings.simulation
     if settings is None:
         return Part(report={"simulation": None})
@@ -145,20 +145,22 @@ def simulation_part(sheet: FoldedSheet, wanted: set[Format], clock: Clock) -> Pa
     from fab.folding.simulation import fold_and_judge
 
     folding, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
-    findings = with_motion(findings, verdict, rigid_motion(sheet.pattern, folding.frame))
+    motion = rigid_motion(sheet.pattern, folding.frame)
+    findings = with_motion(findings, verdict, motion)
     scene: Scene | None = None
     if wanted & OF_SCENES:
         from fab.viewing.scene_builders import folding_scene
 
         scene = folding_scene(folding, sheet.settings.name, upright=sheet.upright)
-    return Part(findings=findings, report={"simulation": verdict.report()}, scene=scene)
+    report = {"simulation": verdict.report(), "rigid": motion.report()}
+    return Part(findings=findings, report=report, scene=scene)
 
 
 def rigidity_part(sheet: FoldedSheet, clock: Clock) -> Part:
     """Whether the sheet folds with flat faces, where that is found in a tenth of a second."""
     pattern = sheet.pattern
     if pattern.face_count > _RIGIDITY_FACES:
-        return Part(report={"rigid": None})
+        return Part()
     from fab.folding.rigid_motion import rigid_motion
 
     with clock.stage("rigid"):

@@ -515,3 +515,13 @@ def test_jobs_are_the_same_out_of_a_pickle(name):
     assert again == job
     assert again.folder == job.folder
     assert again.model_fields_set == job.model_fields_set
+
+
+def test_a_simulation_says_whether_a_sheet_is_rigid_as_a_run_without_it_does():
+    plain, simulated = (
+        make(load_job(TEMPLATES / "miura.toml", changes), []).report
+        for changes in ([], ["simulation.steps=2"])
+    )
+    assert simulated["rigid"]["text"] == plain["rigid"]["text"]
+    assert "rigid" not in simulated["seconds"]
+    assert make(load_job(TEMPLATES / "miura.toml"), [], rigidity=False).report["rigid"] is None
