@@ -16,6 +16,7 @@ from fab.outputs import Made
 ROOT = Path(__file__).parent.parent
 TEMPLATES = ROOT / "templates"
 PATTERNS = ROOT / "tests" / "patterns"
+DOCS = ROOT / ".github" / "docs"
 SHARED = ROOT.parent / "shared"
 REFERENCE = SHARED / "reference"
 
@@ -69,3 +70,8 @@ def angle_at(p, q, r) -> float:
 def made_template(name: str) -> Made:
     """All files of a shipped job, made once for the whole suite."""
     return make(load_job(TEMPLATES / f"{name}.toml"))
+
+
+def guide(*names: str) -> str:
+    """Pages of the guide in the documentation, one after the other."""
+    return "\n".join((DOCS / "guide" / f"{name}.md").read_text("utf-8") for name in names)

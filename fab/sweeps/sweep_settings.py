@@ -20,7 +20,7 @@ from fab.sweeps.search_settings import SearchSettings
 
 __all__ = ["Limits", "Measure", "Sweep", "load_sweep", "sweep_of"]
 
-_CURE = "README shows a complete one."
+_CURE = 'The page "Many variations" of the documentation shows a complete one.'
 
 
 class Measure(StrEnum):

@@ -1,4 +1,4 @@
-"""The command line: answers, exit codes, what is imported, and README's own words."""
+"""The command line: answers, exit codes, what is imported, and what the guide says of it."""
 
 import json
 import os
@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 import trimesh
 from click.testing import CliRunner
-from helpers import PATTERNS, ROOT, TEMPLATE_NAMES, TEMPLATES, made_template
+from helpers import DOCS, PATTERNS, ROOT, TEMPLATE_NAMES, TEMPLATES, guide, made_template
 from machine_readers import read_grbl, read_lightburn, read_plotter
 
 from fab.cli.group import main
@@ -351,8 +351,8 @@ def test_what_the_terminal_cannot_show_is_escaped(here):
     assert names_in(folder) == ["miura.svg", "miura_report.json"]
 
 
-def test_python_of_the_readme_runs(here):
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+def test_python_of_the_guide_runs(here):
+    blocks = re.findall(r"```python\n(.*?)```", guide("python", "paper_figures"), re.DOTALL)
     (swept,) = [block for block in blocks if "fab.sweep(" in block]
     Path("templates").mkdir()
     Path("templates/miura.toml").write_bytes((TEMPLATES / "miura.toml").read_bytes())
@@ -382,9 +382,8 @@ def test_python_of_the_readme_runs(here):
     assert Path("landscapes.svg").read_text().count("<svg") == 1
 
 
-def test_the_laser_part_of_the_readme_does_what_it_says(here):
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("## Sheets for your laser")[2].partition("\n## ")[0]
+def test_the_page_about_laser_cutters_does_what_it_says(here):
+    part = guide("laser_sheets")
     block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
     lines = [line.partition("#")[0].split() for line in block.splitlines()]
     Path("out").mkdir()
@@ -408,10 +407,9 @@ def test_the_laser_part_of_the_readme_does_what_it_says(here):
         assert f"{side}.dxf" in names_in("sheets")
 
 
-def test_the_files_for_machines_of_the_readme_are_made(here):
-    """The powers of README, put where it says, reach the files."""
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("Files that a machine follows")[2].partition("\n## ")[0]
+def test_the_files_for_machines_of_the_guide_are_made(here):
+    """The powers of the page, put where it says, reach the files."""
+    part = guide("laser_sheets").partition("Files that a machine follows")[2]
     powers = re.search(r"`(powers = [^`]*)`", part)[1]
     shipped = (TEMPLATES / "machines" / "co2_60w_600x400.toml").read_text()
     Path("mine.toml").write_text(shipped.replace("[speeds]", f"{powers}\n\n[speeds]", 1))
@@ -438,10 +436,8 @@ def test_the_files_for_machines_of_the_readme_are_made(here):
     }
 
 
-def test_the_printer_part_of_the_readme_does_what_it_says(here):
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("## Thick panels")[2].partition("\n## ")[0]
-    block = re.search(r"```sh\n(.*?)```", part, re.DOTALL)[1]
+def test_the_page_about_printers_does_what_it_says(here):
+    block = re.search(r"```sh\n(.*?)```", guide("thick_panels"), re.DOTALL)[1]
     lines = [line.partition("#")[0].split() for line in block.splitlines()]
     Path("out").mkdir()
     Path("out/miura.fold").write_bytes(made_template("miura").files["miura.fold"])
@@ -456,21 +452,23 @@ def test_the_printer_part_of_the_readme_does_what_it_says(here):
     assert names_in("solid") == sorted([*kinds, *others])
 
 
-def test_commands_of_the_readme_exist():
-    text = (ROOT / "README.md").read_text()
+def test_commands_of_the_documentation_exist():
+    pages = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+    text = "\n".join(page.read_text("utf-8") for page in pages)
     for command in set(re.findall(r"^quadfold (\w+)", text, re.MULTILINE)):
         assert run(command, "--help").exit_code == 0, command
     assert run("--version").exit_code == 0
 
 
-def test_the_job_of_the_readme_is_a_job():
+def test_the_jobs_of_the_guide_are_jobs():
     import tomllib
 
     from fab.jobs.job import parse_job
     from fab.jobs.job_files import make
 
-    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    job, by_hand, dome, goals, grown, sheets, *_ = map(tomllib.loads, blocks)
+    text = guide("jobs", "strip_by_strip", "surfaces", "laser_sheets")
+    blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    job, by_hand, dome, goals, grown, sheets = map(tomllib.loads, blocks)
     assert parse_job(job).name == "miura"
     assert len(make(parse_job({**job, **sheets}), ["dxf"]).report["sheets"]) == 1
     assert make(parse_job(by_hand), []).report["counts"]["faces"] == 21
@@ -479,15 +477,13 @@ def test_the_job_of_the_readme_is_a_job():
     assert parse_job({**job, **grown}).design.method == "grow"
 
 
-def test_the_dome_of_the_readme_is_made_from_its_file(here):
+def test_the_dome_of_the_guide_is_made_from_its_file(here):
     from solver.designs.surface_fit import SURFACES
     from solver.relaxed_fit import sampled
 
     mesh = sampled(SURFACES["dome"])
     trimesh.Trimesh(80 * mesh.vertices_coords, mesh.faces_vertices).export("dome.stl")
-    (text,) = re.findall(
-        r'```toml\n(name = "dome".*?)```', (ROOT / "README.md").read_text(), re.DOTALL
-    )
+    (text,) = re.findall(r'```toml\n(name = "dome".*?)```', guide("surfaces"), re.DOTALL)
     Path("dome.toml").write_text(text)
     words = ["--set", "design.columns=14", "--only", "fold", "--out", "out"]
     result = run("run", "dome.toml", *words)
@@ -506,10 +502,8 @@ def test_the_dome_of_the_readme_is_made_from_its_file(here):
     assert report["growth"]["chosen"]["sheets"] == 1
 
 
-def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("## Bring your own pattern")[2].partition("\n## ")[0]
-    blocks = re.findall(r"```sh\n(.*?)```", part, re.DOTALL)
+def test_the_page_about_your_own_pattern_does_what_it_says(here):
+    blocks = re.findall(r"```sh\n(.*?)```", guide("own_patterns", "convert"), re.DOTALL)
     assert len(blocks) == 2
     rim = [(0, 0), (30, 0), (70, 0), (100, 0), (100, 60), (70, 60), (30, 60), (0, 60), (0, 0)]
     rows = ["1 {} {} {} {}".format(*p, *q) for p, q in pairwise(rim)]
@@ -531,10 +525,23 @@ def test_the_part_of_the_readme_about_your_own_pattern_does_what_it_says(here):
     assert "step_folding.gif" in names_in("folding")
 
 
-def test_the_options_of_the_readme_exist():
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("## Bring your own pattern")[2].partition("\n## ")[0]
-    table = part.partition("| option |")[2].partition("\n\n")[0]
+def test_the_options_of_reading_of_the_guide_exist():
+    table = guide("own_patterns").partition("| option |")[2].partition("\n\n")[0]
     named = set(re.findall(r"`(--[a-z-]+)", table))
     assert len(named) == 13
     assert named <= set(re.findall(r"--[a-z-]+", run("fabricate", "--help").output))
+
+
+def test_the_three_things_of_the_readme_are_done(here):
+    text = (ROOT / "README.md").read_text()
+    assert len(text.splitlines()) <= 150
+    part = text.partition("## Three things")[2].partition("\n## ")[0]
+    assert run("convert", PATTERNS / "square_twist.fold", "twist.svg").exit_code == 0
+    blocks = re.findall(r"```sh\n(.*?)```", part, re.DOTALL)
+    assert len(blocks) == 3
+    for line in "".join(blocks).splitlines():
+        result = run(*shlex.split(line)[1:])
+        assert result.exit_code == 0, result.output
+    assert "twist_1.dxf" in names_in("sheets")
+    assert "miura_thick.step" in names_in("solid")
+    assert {"lamp_shade.png", "lamp_shade_folding.gif"} <= set(names_in("lamp"))

@@ -1,20 +1,19 @@
-"""The sweep of README is run as it says."""
+"""The sweep of the guide is run as it says."""
 
 import re
 import tomllib
 
 from click.testing import CliRunner
-from helpers import ROOT
+from helpers import guide
 
 from fab.cli.group import main
 from fab.sweeps.search import Goals
 from fab.sweeps.search_settings import SearchSettings
 
 
-def test_the_sweep_of_the_readme_does_what_it_says(tmp_path, monkeypatch):
+def test_the_sweep_of_the_guide_does_what_it_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    text = (ROOT / "README.md").read_text()
-    part = text.partition("## Many variations")[2].partition("\n## ")[0]
+    part = guide("sweeps")
     toml, search = re.findall(r"```toml\n(.*?)```", part, re.DOTALL)
     small = toml.replace("steps = 5", "steps = 2").replace("[6, 8, 10]", "[6]")
     (tmp_path / "angles.toml").write_text(small)
