@@ -2,13 +2,15 @@
 
 Each row of J, one residual, has gradients at few vertices, with three coordinates each. Which
 vertices these are does not change: where every product of gradients belongs in the matrix is found
-once, and each later matrix is a few array operations.
+once, and each later matrix is a few array operations. Blocks of second derivatives may be added,
+whose vertices may change from matrix to matrix within the sparsity (`NormalAssembly.covers`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -17,7 +19,21 @@ from solver.errors import InvalidState
 from solver.sparse import Triangle
 from solver.vectors import FloatArray, IntArray, scattered
 
-__all__ = ["NormalAssembly"]
+__all__ = ["Blocks", "NormalAssembly"]
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Symmetric matrices, each over the coordinates of k vertices, that are added up.
+
+    Attributes
+    ----------
+    vertices : shape (n, k), distinct in each row, -1 for none.
+    matrices : shape (n, 3 k, 3 k); coordinate c of the vertex at position j is number 3 j + c.
+    """
+
+    vertices: IntArray
+    matrices: FloatArray
 
 
 @dataclass(frozen=True)
@@ -47,6 +63,7 @@ class NormalAssembly:
     ----------
     count : number of vertices. triangle : sparsity of the matrix.
     vertices : of each group of residuals, shape (n, k) each, -1 for none.
+    blocks : pairs of vertices that have entries, as the sparsity of a matrix over the vertices.
 
     >>> line = NormalAssembly.of(2, [np.array([[0, 1]])])  # one residual, x of vertex 1 less 0's
     >>> gradient = np.array([[[-1.0, 0, 0], [1, 0, 0]]])
@@ -59,50 +76,56 @@ class NormalAssembly:
     count: int
     triangle: Triangle
     vertices: tuple[IntArray, ...]
+    blocks: Triangle
     _groups: tuple[_Group, ...]
     _entries: IntArray
 
     @classmethod
-    def of(cls, count: int, vertices: Sequence[IntArray]) -> NormalAssembly:
+    def of(
+        cls, count: int, vertices: Sequence[IntArray], beside: Sequence[IntArray] = ()
+    ) -> NormalAssembly:
         """The assembly of groups of residuals over `count` vertices.
 
-        vertices : of each group, shape (n, k), -1 where a residual has fewer than k. Raises
-        `InvalidState` where a residual names a vertex twice.
+        vertices : of each group, shape (n, k), -1 where a residual has fewer than k. beside : those
+        of blocks that may be added, shape (n, k) each. Raises `InvalidState` where a residual names
+        a vertex twice.
         """
-        orders = [np.argsort(group, axis=1, kind="stable") for group in vertices]
-        highs, lows = [], []
-        for group, order in zip(vertices, orders, strict=True):
-            rising = np.take_along_axis(group, order, axis=1)
-            if ((rising[:, 1:] == rising[:, :-1]) & (rising[:, 1:] >= 0)).any():
-                raise InvalidState(
-                    "vertices",
-                    "a residual names a vertex twice",
-                    "Give each vertex once, with the sum of its gradients.",
-                )
-            first, second = np.tril_indices(group.shape[1])
-            highs.append(rising[:, first].ravel())
-            lows.append(rising[:, second].ravel())
+        pairs = [_Pairs.of(group) for group in [*vertices, *beside]]
         # blocks are found as the entries of a matrix that has one row for each vertex
-        blocks, slots = Triangle.of(count, _joined(highs), _joined(lows))
+        blocks, slots = Triangle.of(
+            count, _joined([each.high for each in pairs]), _joined([each.low for each in pairs])
+        )
         number = len(blocks.rows)
         groups, begin = [], 0
-        for group, order, high in zip(vertices, orders, highs, strict=True):
-            part = slots[begin : begin + len(high)]
-            begin += len(high)
-            used = np.flatnonzero(part < number)
-            ones = np.ones(len(used))
-            sums = csr_array((ones, (part[used], used)), shape=(number, len(part)))
-            groups.append(_Group(order, *np.tril_indices(group.shape[1]), sums))
+        for each in pairs[: len(vertices)]:
+            part = slots[begin : begin + len(each.high)]
+            begin += len(each.high)
+            groups.append(_Group(each.order, each.first, each.second, _sums(part, number)))
         triangle, entries = _expanded(blocks)
-        return cls(count, triangle, tuple(vertices), tuple(groups), entries)
+        return cls(count, triangle, tuple(vertices), blocks, tuple(groups), entries)
+
+    def covers(self, vertices: IntArray) -> bool:
+        """Whether blocks over these vertices, shape (n, k), may be added to the matrix."""
+        places, number = self._places(_Pairs.of(vertices)), len(self.blocks.rows)
+        return bool((places <= number).all())
+
+    def extended(self, beside: Sequence[IntArray]) -> NormalAssembly:
+        """The same residuals, and the sparsity of further blocks besides that of these."""
+        low = np.repeat(np.arange(self.count), np.diff(self.blocks.bounds))
+        present = np.column_stack([self.blocks.rows, low])[self.blocks.rows != low]
+        return NormalAssembly.of(self.count, self.vertices, [present, *beside])
 
     def matrix(
-        self, gradients: Sequence[FloatArray], weights: Sequence[float | FloatArray]
+        self,
+        gradients: Sequence[FloatArray],
+        weights: Sequence[float | FloatArray],
+        blocks: Sequence[Blocks] = (),
     ) -> FloatArray:
-        """Entries of J' W J in `triangle`, shape (entries,).
+        """Entries of J' W J in `triangle`, shape (entries,), and of the blocks that are added.
 
         gradients : of each group, shape (n, k, 3); what is given for vertex -1 does not count.
         weights : of each group, one number or one for each residual, shape (n,).
+        blocks : each of them covered.
         """
         total = np.zeros((self._groups[0].sums.shape[0], 9)) if self._groups else np.zeros((0, 9))
         for group, gradient, weight in zip(self._groups, gradients, weights, strict=True):
@@ -110,6 +133,8 @@ class NormalAssembly:
             weighted = rising * np.asarray(weight, float).reshape(-1, 1, 1)
             products = weighted[:, group.first, :, None] * rising[:, group.second, None, :]
             total += group.sums @ products.reshape(-1, 9)
+        for added in blocks:
+            total += self._summed(added)
         return total.ravel()[self._entries]
 
     def gradient(
@@ -130,6 +155,63 @@ class NormalAssembly:
             pulls = np.asarray(weight * value).reshape(-1, 1, 1) * gradient
             total += scattered(group[there], pulls[there], self.count)
         return total
+
+    def _summed(self, added: Blocks) -> FloatArray:
+        """Blocks of the matrix, shape (blocks, 9), of those that are added."""
+        count, width = added.vertices.shape
+        pairs = _Pairs.of(added.vertices)
+        parts = added.matrices.reshape(count, width, 3, width, 3).swapaxes(2, 3)
+        row = np.arange(count)[:, None]
+        products = parts[row, pairs.order[:, pairs.first], pairs.order[:, pairs.second]]
+        sums = _sums(self._places(pairs), len(self.blocks.rows))
+        return np.asarray(sums @ products.reshape(-1, 9))
+
+    def _places(self, pairs: _Pairs) -> IntArray:
+        """Slots of pairs in `blocks`: their number for none, more where they are not covered."""
+        number = len(self._keys)
+        keys = pairs.low.astype(np.int64) * self.count + pairs.high
+        places = np.searchsorted(self._keys, keys)
+        found = self._keys[np.minimum(places, number - 1)] == keys if number else keys < 0
+        return np.where(pairs.low < 0, number, np.where(found, places, number + 1))
+
+    @cached_property
+    def _keys(self) -> IntArray:
+        low = np.repeat(np.arange(self.count, dtype=np.int64), np.diff(self.blocks.bounds))
+        return low * self.count + self.blocks.rows
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """Pairs of the k vertices of residuals or blocks.
+
+    order, first, second : as in `_Group`. high, low : numbers of both vertices, one residual after
+    another, -1 for none.
+    """
+
+    order: IntArray
+    first: IntArray
+    second: IntArray
+    high: IntArray
+    low: IntArray
+
+    @classmethod
+    def of(cls, vertices: IntArray) -> _Pairs:
+        order = np.argsort(vertices, axis=1, kind="stable")
+        rising = np.take_along_axis(vertices, order, axis=1)
+        if ((rising[:, 1:] == rising[:, :-1]) & (rising[:, 1:] >= 0)).any():
+            raise InvalidState(
+                "vertices",
+                "a residual names a vertex twice",
+                "Give each vertex once, with the sum of its gradients.",
+            )
+        first, second = np.tril_indices(vertices.shape[1])
+        return cls(order, first, second, rising[:, first].ravel(), rising[:, second].ravel())
+
+
+def _sums(places: IntArray, number: int) -> csr_array:
+    """The matrix that adds what belongs to each of `number` places, shape (number, n)."""
+    used = np.flatnonzero(places < number)
+    return csr_array((np.ones(len(used)), (places[used], used)), shape=(number, len(places)))
 
 
 def _joined(arrays: Sequence[IntArray]) -> IntArray:

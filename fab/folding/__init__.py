@@ -3,7 +3,8 @@
 - `strain` is that of faces: `fab.viewing` colours them by it.
 - `simulation` folds a pattern and judges it: `fold_and_judge`, with `FoldSettings`.
 - `bar_hinge_model` is the mechanical model, a `Framework` of bars and hinges; `quasi_static` folds
-  it from rest to rest (`fold`, a `Folding`), `dynamics` by masses that move.
+  it from rest to rest (`fold`, a `Folding`), `dynamics` by masses that move. `rest` brings a sheet
+  to rest, by the systems of `newton_system`, also under `potentials` such as weight.
 - `rotation_predictor` predicts far turns, `folding_path` finds a path for sheets that get stuck.
 - `verdict` says whether a `Folding` reached its target: `judge`, a `Verdict`; `target_forms` which
   folded form that is, `tolerance` how exactly, `misplaced_vertices` where vertices are at fault.

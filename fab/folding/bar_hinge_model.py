@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
 
 from fab.folding.fold_settings import Stiffness
 from fab.geometry.rings import by_size
@@ -25,13 +24,16 @@ from fab.geometry.triangulation import cap_triangles
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.kinematics import Kinematics, fold_by_angles, unknown_angles
 from fab.pattern.open_cuts import Opened, edges_between, opened
+from solver.assembly import NormalAssembly
 from solver.errors import InvalidState, InvalidValue
 from solver.graphs import labels
 from solver.hinge_angles import hinge_angles, hinge_gradients
 from solver.mesh import edges_of
+from solver.sparse import SymmetricSystem
 from solver.vectors import FloatArray, IntArray, cross, norm, scattered
 
 __all__ = [
+    "Derivatives",
     "Energy",
     "Framework",
     "framework",
@@ -45,18 +47,41 @@ _SMALLEST_MM, _LARGEST_MM = 1e-100, 1e100
 
 @dataclass(frozen=True)
 class Energy:
-    """Energy of stretched bars, and of hinges that are off their targets.
+    """Energy of stretched bars, of hinges that are off their targets, and of potentials.
 
-    In units of stiffness times the size of the sheet.
+    In units of stiffness times the size of the sheet. others : of each potential
+    (`fab.folding.potentials`); these may be negative.
     """
 
     bars: float
     hinges: float
+    others: tuple[float, ...] = ()
 
     @property
     def total(self) -> float:
-        """That of bars and hinges together."""
-        return self.bars + self.hinges
+        """That of bars, hinges and potentials together."""
+        return self.bars + self.hinges + sum(self.others)
+
+    @property
+    def scale(self) -> float:
+        """The sum of their absolute values, against which changes are small or large."""
+        return self.bars + self.hinges + sum(map(abs, self.others))
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """How bar lengths and hinge angles change with the vertices, the residuals of least squares.
+
+    Attributes
+    ----------
+    gradients : of bars, shape (nb, 2, 3), and of hinges, shape (nh, 4, 3), by their vertices.
+    weights : their stiffness, shapes (nb,) and (nh,).
+    values : by how much they are off, shapes (nb,) and (nh,).
+    """
+
+    gradients: tuple[FloatArray, FloatArray]
+    weights: tuple[FloatArray, FloatArray]
+    values: tuple[FloatArray, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -111,36 +136,38 @@ class Framework:
         """Relative stretch of every bar, shape (nb,)."""
         return norm(_sides(coords, self.bars_vertices)) / self.bars_length - 1
 
-    def linearised(self, coords: FloatArray, target: FloatArray) -> tuple[FloatArray, csc_array]:
-        """Gradient of the energy, and the Gauss-Newton matrix J' K J in place of its Hessian.
-
-        Shapes (nv, 3) and (3 nv, 3 nv). J holds the derivatives of bar lengths and hinge angles.
-        The matrix is the Hessian where all bars have their rest lengths and all hinges their
-        targets.
-        """
+    def derivatives(self, coords: FloatArray, target: FloatArray) -> Derivatives:
+        """Derivatives of bar lengths and hinge angles at coords, shape (nv, 3)."""
         bar, stretch = _bar_gradients(self, coords)
         hinge, off = _hinge_gradients(self, coords, target)
-        blocks = [
-            self.bars_stiffness[:, None, None] * bar[:, :, None] * bar[:, None, :],
-            self.hinges_stiffness[:, None, None] * hinge[:, :, None] * hinge[:, None, :],
-        ]
-        return self._gradient(bar, stretch, hinge, off), self._assembly.matrix(blocks)
-
-    def _gradient(
-        self, bar: FloatArray, stretch: FloatArray, hinge: FloatArray, off: FloatArray
-    ) -> FloatArray:
-        forces = np.concatenate(
-            [
-                ((self.bars_stiffness * stretch)[:, None] * bar).ravel(),
-                ((self.hinges_stiffness * off)[:, None] * hinge).ravel(),
-            ]
+        return Derivatives(
+            (bar, hinge), (self.bars_stiffness, self.hinges_stiffness), (stretch, off)
         )
-        count = 3 * len(self.vertices_coords)
-        return np.asarray(np.bincount(self._assembly.unknowns, forces, count).reshape(-1, 3))
+
+    def linearised(self, coords: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Gradient of the energy, and the Gauss-Newton matrix J' K J in place of its Hessian.
+
+        Shapes (nv, 3), and that of the entries of `assembly.triangle`. J holds the derivatives of
+        bar lengths and hinge angles. The matrix is the Hessian where all bars have their rest
+        lengths and all hinges their targets.
+        """
+        here = self.derivatives(coords, target)
+        return (
+            self.assembly.gradient(here.gradients, here.weights, here.values),
+            self.assembly.matrix(here.gradients, here.weights),
+        )
 
     @cached_property
-    def _assembly(self) -> _Assembly:
-        return _Assembly.of(len(self.vertices_coords), [self.bars_vertices, self.hinges_vertices])
+    def assembly(self) -> NormalAssembly:
+        """Where bars and hinges are added in the matrix."""
+        return NormalAssembly.of(
+            len(self.vertices_coords), [self.bars_vertices, self.hinges_vertices]
+        )
+
+    @cached_property
+    def system(self) -> SymmetricSystem:
+        """The analysis of the matrix."""
+        return SymmetricSystem(self.assembly.triangle)
 
     @cached_property
     def component(self) -> IntArray:
@@ -151,40 +178,6 @@ class Framework:
     def kinematics(self) -> Kinematics:
         """The sheet with rigid faces, folded by the angles of its pattern."""
         return fold_by_angles(self.sheet.pattern)
-
-
-@dataclass(frozen=True)
-class _Assembly:
-    """Sparsity of the matrix, and where the blocks of bars and hinges are added in it.
-
-    Attributes
-    ----------
-    unknowns : number of the coordinate that each entry of each gradient is of.
-    slots : entry of the matrix that each entry of each block is added to.
-    rows, bounds : of the entries, as in a `csc_array`.
-    """
-
-    unknowns: IntArray
-    slots: IntArray
-    rows: IntArray
-    bounds: IntArray
-
-    @staticmethod
-    def of(count: int, members: list[IntArray]) -> _Assembly:
-        """That of elements that join `count` vertices; members : shapes (n, 2) and (m, 4)."""
-        size = 3 * count
-        numbers = [
-            (3 * m[:, :, None] + np.arange(3)).reshape(len(m), 3 * m.shape[1]) for m in members
-        ]
-        keys = np.concatenate([(n[:, None, :] * size + n[:, :, None]).ravel() for n in numbers])
-        unique, slots = np.unique(keys, return_inverse=True)
-        bounds = np.searchsorted(unique // size, np.arange(size + 1))
-        return _Assembly(np.concatenate([n.ravel() for n in numbers]), slots, unique % size, bounds)
-
-    def matrix(self, blocks: list[FloatArray]) -> csc_array:
-        data = np.bincount(self.slots, np.concatenate([b.ravel() for b in blocks]), len(self.rows))
-        size = len(self.bounds) - 1
-        return csc_array((data, self.rows, self.bounds), shape=(size, size))
 
 
 def framework(pattern: CreasePattern, stiffness: Stiffness | None = None) -> Framework:
@@ -242,7 +235,7 @@ def hinge_forces(frame: Framework, coords: FloatArray, target: FloatArray) -> Fl
     target : shape (nh,), radians.
     """
     gradient, off = _hinge_gradients(frame, coords, target)
-    pull = -(frame.hinges_stiffness * off)[:, None, None] * gradient.reshape(-1, 4, 3)
+    pull = -(frame.hinges_stiffness * off)[:, None, None] * gradient
     return scattered(frame.hinges_vertices.ravel(), pull.reshape(-1, 3), len(frame.vertices_coords))
 
 
@@ -263,18 +256,18 @@ def _sides(coords: FloatArray, pairs: IntArray) -> FloatArray:
 
 
 def _bar_gradients(frame: Framework, coords: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Gradient of every bar's length, shape (nb, 6), and its stretch, shape (nb,)."""
+    """Gradient of every bar's length, shape (nb, 2, 3), and its stretch, shape (nb,)."""
     side = _sides(coords, frame.bars_vertices)
     length = norm(side)
     along = side / length[:, None]
-    return np.concatenate([-along, along], axis=1), length - frame.bars_length
+    return np.stack([-along, along], axis=1), length - frame.bars_length
 
 
 def _hinge_gradients(
     frame: Framework, coords: FloatArray, target: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Gradient of every hinge's angle, shape (nh, 12), and by how much it is off its target."""
-    gradient = hinge_gradients(coords, frame.hinges_vertices).reshape(-1, 12)
+    """Gradient of every hinge's angle, shape (nh, 4, 3), and by how much it is off its target."""
+    gradient = hinge_gradients(coords, frame.hinges_vertices)
     off = wrapped(hinge_angles(coords, frame.hinges_vertices) - target)
     return gradient, off
 

@@ -17,7 +17,8 @@ from scipy.sparse import coo_array, csc_array
 from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.quasi_static import damped, largest_turns, path_at
+from fab.folding.damped import damped
+from fab.folding.quasi_static import largest_turns, path_at
 from fab.pattern.kinematics import next_around
 from fab.progress import Steps, no_steps
 from solver.graphs import EdgeIndex

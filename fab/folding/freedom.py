@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array
 
-from fab.folding.quasi_static import damped
+from fab.folding.damped import damped
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["Freedom", "freedom_of"]

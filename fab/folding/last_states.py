@@ -17,7 +17,7 @@ from fab.folding.folded_states import (
     states_within,
 )
 from fab.folding.folding_path import Closure, hinges_around
-from fab.folding.quasi_static import relaxed
+from fab.folding.rest import relaxed
 from fab.folding.rigid_states import rigid_coords_at
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.pattern.crease_pattern import CreasePattern

@@ -1,59 +1,46 @@
 """Quasi-static folding of a flat sheet to its target fold angles.
 
-The target angles are ramped, and at each load the framework comes to rest. Each step is predicted
-by turning all hinges (`fab.folding.rotation_predictor`), so that long chains may turn far at once,
-and corrected by damped Gauss-Newton steps (Levenberg-Marquardt), none of which raises the energy.
+The target angles are ramped, and at each load the framework comes to rest (`fab.folding.rest`).
+Each load is predicted by turning all hinges (`fab.folding.rotation_predictor`), so that long chains
+may turn far at once, and corrected by damped Gauss-Newton steps, none of which raises the energy.
 Angles that close store no energy at the full load, so that the last steps converge quadratically.
 All hinges are driven at one rate, or along a folding path on which each has a rate of its own
-(`fab.folding.folding_path`).
+(`fab.folding.folding_path`). Potentials, such as weight, act besides (`fab.folding.potentials`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import SuperLU, splu
 
 from fab.folding.bar_hinge_model import Energy, Framework
-from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
+from fab.folding.newton_system import NewtonSystem
+from fab.folding.potentials import Potential, energy_of, free_share
+from fab.folding.rest import relaxed
+from fab.folding.rotation_predictor import rotation_predictor
 from fab.progress import Steps, no_steps
 from solver.errors import require_count
-from solver.vectors import FloatArray
+from solver.vectors import BoolArray, FloatArray
 
 __all__ = [
     "FoldState",
     "Folding",
-    "Rest",
     "aligned",
-    "damped",
     "flat_state",
     "fold",
     "largest_turns",
     "path_at",
-    "relaxed",
     "state_of",
 ]
 
-# Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
-# fails.
-_LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
-_FIRST_DAMPING = 1e-8
-# Most steps at each load, and at the full one.
-_MOST, _MOST_AT_LAST = 150, 400
-# Steps with more damping than this say nothing about how far the energy could still fall.
-_TRUSTED_DAMPING = 1e-6
-# Below the full load, the sheet is at rest where a step lowers the energy by less than this share.
-_SETTLED = 1e-6
-# Smaller steps, relative to the size of the sheet, are rounding.
-_ROUNDING = 1e-12
-# Energy of coordinates that are off by a few roundings, relative to the sum of all stiffness.
-_ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
 # Hinges turn by no more from load to load.
 _FARTHEST_RAD = np.radians(20.0)
-# A step that raises the energy is tried shorter before it is damped.
-_LENGTHS = (1.0, 0.5, 0.25, 0.125)
+
+# A predicted sheet is brought to its fixed vertices; the others decide where these leave it free.
+_LOOSE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -64,7 +51,7 @@ class FoldState:
     ----------
     load : share of the target angles, 0 to 1.
     coords : shape (nv, 3), vertices of the framework, relative to its size.
-    energy : of bars and hinges.
+    energy : of bars and hinges, and of potentials.
     strain_mean, strain_max : mean and largest absolute strain of the bars.
     strain_peak : the largest `strain_max` at this load and those since the state before.
     accepted : energy of the prediction, and after each step that was taken from it.
@@ -106,6 +93,9 @@ def fold(
     steps: int = 10,
     progress: Steps = no_steps,
     path: FloatArray | None = None,
+    potentials: Sequence[Potential] = (),
+    *,
+    fixed: BoolArray | None = None,
 ) -> Folding:
     """Fold a framework from flat to its targets: the flat state and `steps` more, evenly over load.
 
@@ -117,30 +107,44 @@ def fold(
     path : shape (n, nh), radians, stations from 0 to the targets through which the hinge angles are
         driven; the straight line where left out. Loads are even over the length of the path
         (`largest_turns`).
-    progress : called with (loads done, loads in all); an exception that it raises ends the fold.
+    progress : called with (loads done, loads in all), also on the way to each load; an exception
+        that it raises ends the fold.
+    potentials : what acts on the sheet at every load, besides its bars and hinges.
+    fixed : vertices that stay where they are in the flat sheet, shape (nv,); none where left out.
 
     Raises `InvalidValue` for less than one step.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
-    predictor = rotation_predictor(frame)
+    predictor, system = rotation_predictor(frame), NewtonSystem(frame, fixed)
+    held = fixed if fixed is not None and fixed.any() else None
     in_turn = path is not None
     if path is None:
         path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
     length = float(largest_turns(path).sum())
     per_step = max(1, int(np.ceil(length / (_FARTHEST_RAD * steps))))
     loads = per_step * steps
-    state = flat_state(frame)
+    state = flat_state(frame, potentials)
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
     solved, rested, peak = 0, True, 0.0
     for number in range(1, loads + 1):
-        progress(number - 1, loads)
         target, rate = path_at(path, number / loads)
-        coords = _predicted(frame, predictor, state.coords, angles + rate / loads, target)
-        rest = relaxed(frame, coords, target, number == loads)
-        coords = aligned(rest.coords, state.coords)
+        turned = predictor.coords(angles + rate / loads)
+        coords = _predicted(frame, turned, state.coords, target, potentials, held)
+        rest = relaxed(
+            frame,
+            coords,
+            target,
+            number == loads,
+            potentials,
+            system=system,
+            watch=partial(progress, number - 1, loads),
+        )
+        coords = rest.coords if held is not None else aligned(rest.coords, state.coords)
         solved, rested = solved + rest.iterations, rested and rest.settled
-        state = state_of(frame, number / loads, coords, target, solved, rested, rest.accepted)
+        state = state_of(
+            frame, number / loads, coords, target, solved, rested, rest.accepted, potentials
+        )
         peak = max(peak, state.strain_max)
         if number % per_step == 0:
             states.append(replace(state, strain_peak=peak))
@@ -177,71 +181,31 @@ def largest_turns(path: FloatArray) -> FloatArray:
 
 def _predicted(
     frame: Framework,
-    predictor: RotationPredictor,
+    turned: FloatArray,
     coords: FloatArray,
-    angles: FloatArray,
     target: FloatArray,
+    potentials: Sequence[Potential],
+    fixed: BoolArray | None,
 ) -> FloatArray:
-    """The sheet with all hinges turned to `angles`, or as it was where that stores less energy."""
-    turned = predictor.coords(angles)
-    if frame.energy(turned, target).total < frame.energy(coords, target).total:
-        return turned
-    return coords
+    """The sheet with all hinges turned, or as it was where that stores less energy.
+
+    Or where a potential does not let it get there. fixed : vertices that stay, if there are any.
+    """
+    if fixed is not None:
+        turned = aligned(turned, coords, np.where(fixed, 1.0, _LOOSE))
+        turned[fixed] = coords[fixed]
+    elif potentials:
+        turned = aligned(turned, coords)
+    before = energy_of(frame, coords, target, potentials).total
+    if not energy_of(frame, turned, target, potentials).total < before:
+        return coords
+    return turned if free_share(potentials, coords, turned - coords) >= 1 else coords
 
 
-@dataclass(frozen=True)
-class Rest:
-    """Where the sheet came to rest: see `FoldState` for the fields."""
-
-    coords: FloatArray
-    accepted: tuple[float, ...]
-    iterations: int
-    settled: bool
-
-
-def relaxed(frame: Framework, coords: FloatArray, target: FloatArray, last: bool) -> Rest:
-    """The local minimum of energy near to `coords`; last : whether the load is the full one."""
-    most = _MOST_AT_LAST if last else _MOST
-    energy = frame.energy(coords, target).total
-    accepted = [energy]
-    damping = _FIRST_DAMPING
-    for solved in range(1, most + 1):
-        gradient, matrix = frame.linearised(coords, target)
-        if energy <= _ROUNDING_ENERGY * matrix.diagonal().sum():
-            return Rest(coords, tuple(accepted), solved - 1, True)
-        step = damped(matrix, damping).solve(-gradient.ravel()).reshape(-1, 3)
-        for length in _LENGTHS:
-            lower = frame.energy(coords + length * step, target).total
-            if lower < energy:
-                break
-        else:
-            if np.abs(step).max() < _ROUNDING or damping > _MOST_DAMPING:
-                return Rest(coords, tuple(accepted), solved, True)
-            damping = max(100 * damping, 1e-10)
-            continue
-        coords, share, energy = coords + length * step, 1 - lower / energy, lower
-        accepted.append(energy)
-        if np.abs(step).max() < _ROUNDING or (
-            not last and damping < _TRUSTED_DAMPING and share < _SETTLED
-        ):
-            return Rest(coords, tuple(accepted), solved, True)
-        damping = max(damping / 10, _LEAST_DAMPING) if length == 1 else 10 * damping
-    return Rest(coords, tuple(accepted), most, False)
-
-
-def damped(matrix: csc_array, damping: float) -> SuperLU:
-    """Factors of a symmetric matrix, `damping` times its mean diagonal entry added to each."""
-    matrix = matrix.copy()
-    diagonal = matrix.diagonal()
-    matrix.setdiag(diagonal + damping * diagonal.mean())
-    return splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-
-
-def flat_state(frame: Framework) -> FoldState:
+def flat_state(frame: Framework, potentials: Sequence[Potential] = ()) -> FoldState:
     """The flat sheet, without load."""
-    return state_of(frame, 0.0, frame.vertices_coords, np.zeros_like(frame.hinges_target), 0, True)
+    coords, still = frame.vertices_coords, np.zeros_like(frame.hinges_target)
+    return state_of(frame, 0.0, coords, still, 0, True, potentials=potentials)
 
 
 def state_of(
@@ -252,6 +216,7 @@ def state_of(
     iterations: int,
     settled: bool,
     accepted: tuple[float, ...] = (),
+    potentials: Sequence[Potential] = (),
 ) -> FoldState:
     """The state at `coords`, shape (nv, 3), with its energy and strains.
 
@@ -261,7 +226,7 @@ def state_of(
     return FoldState(
         load,
         coords,
-        frame.energy(coords, target),
+        energy_of(frame, coords, target, potentials),
         float(strain.mean()),
         float(strain.max()),
         float(strain.max()),
@@ -271,18 +236,19 @@ def state_of(
     )
 
 
-def aligned(coords: FloatArray, onto: FloatArray) -> FloatArray:
+def aligned(coords: FloatArray, onto: FloatArray, weights: FloatArray | None = None) -> FloatArray:
     """Points moved rigidly, without mirroring, to least square distance from others (Kabsch 1976).
 
-    Both have shape (n, 3).
+    Both have shape (n, 3). weights : of the squares, shape (n,); all 1 where left out.
 
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     >>> upright = square[:, [2, 0, 1]] + [5.0, 0.0, 0.0]
     >>> bool(np.allclose(aligned(upright, square), square))
     True
     """
-    middle, goal = coords.mean(axis=0), onto.mean(axis=0)
-    left, _, right = np.linalg.svd((coords - middle).T @ (onto - goal))
+    middle, goal = (np.average(x, axis=0, weights=weights) for x in (coords, onto))
+    pull = onto - goal if weights is None else weights[:, None] * (onto - goal)
+    left, _, right = np.linalg.svd((coords - middle).T @ pull)
     sign = np.sign(np.linalg.det(left @ right))
     turn = left @ np.diag([1.0, 1.0, sign]) @ right
     return np.asarray((coords - middle) @ turn + goal)

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from fab.folding.bar_hinge_model import Framework
+from fab.folding.damped import damped
 from fab.folding.folding_path import Closure, hinges_around
-from fab.folding.quasi_static import damped
 from fab.folding.rigid_states import crease_jacobian
 from solver.vectors import FloatArray, IntArray
 

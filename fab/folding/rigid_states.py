@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from fab.folding.bar_hinge_model import Framework
+from fab.folding.damped import damped
 from fab.folding.folding_path import Closure
-from fab.folding.quasi_static import damped
 from fab.folding.rotation_predictor import RotationPredictor
 from solver.hinge_angles import hinge_angles
 from solver.vectors import FloatArray, IntArray

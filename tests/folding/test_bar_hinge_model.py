@@ -108,9 +108,11 @@ def test_at_rest_the_gauss_newton_matrix_is_the_hessian(make, seed):
     target = hinge_angles(coords, frame.hinges_vertices)
     start, end = coords[frame.bars_vertices.T]
     frame = replace(frame, bars_length=norm(end - start))
-    gradient, matrix = frame.linearised(coords, target)
+    gradient, entries = frame.linearised(coords, target)
+    lower = frame.assembly.triangle.lower(entries)
+    matrix = lower + lower.T
+    matrix.setdiag(lower.diagonal())
     assert np.abs(gradient).max() <= 1e-12 * abs(matrix).max()
-    assert abs(matrix - matrix.T).max() <= 1e-12 * abs(matrix).max()
     direction = np.random.default_rng(seed).normal(size=coords.shape)
     direction *= frame.bars_length.min() / norm(direction).max()
     step = 1e-5

@@ -1,0 +1,155 @@
+"""How a sheet comes to rest: damped Gauss-Newton steps, none of which raises the energy.
+
+The energy is that of bars and hinges, whose sum of squares ends at or near zero, and of any number
+of potentials. Each step is damped (Levenberg-Marquardt) as little as rounding allows, and more
+where it fails; potentials may shorten it. Whether the sheet rests is judged by the step and by what
+it gains, relative to the sum of all absolute energies, so that these may be negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fab.folding.bar_hinge_model import Energy, Framework
+from fab.folding.newton_system import Linearised, NewtonSystem
+from fab.folding.potentials import Potential, energy_of, free_share
+from solver.vectors import BoolArray, FloatArray
+
+__all__ = ["Rest", "relaxed"]
+
+# Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
+# fails.
+_LEAST_DAMPING, _MOST_DAMPING = 1e-13, 1e3
+_FIRST_DAMPING = 1e-8
+# Most steps at each load, and at the full one.
+_MOST, _MOST_AT_LAST = 150, 400
+# Steps with more damping than this say nothing about how far the energy could still fall.
+_TRUSTED_DAMPING = 1e-6
+# Below the full load, the sheet is at rest where a step lowers the energy by less than this share.
+_SETTLED = 1e-6
+# Smaller steps, relative to the size of the sheet, are rounding.
+_ROUNDING = 1e-12
+# Energy of coordinates that are off by a few roundings, relative to the sum of all stiffness.
+_ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
+# A step that can gain no more than this share of the energies cannot be told from rounding.
+_NO_GAIN = np.finfo(float).eps
+# A step that raises the energy is tried shorter before it is damped.
+_LENGTHS = (1.0, 0.5, 0.25, 0.125)
+
+
+@dataclass(frozen=True)
+class Rest:
+    """Where the sheet came to rest.
+
+    Attributes
+    ----------
+    coords : shape (nv, 3), relative to the framework's size.
+    accepted : energy at first, and after each step that was taken.
+    iterations : linear systems solved.
+    settled : whether the sheet came to rest.
+    """
+
+    coords: FloatArray
+    accepted: tuple[float, ...]
+    iterations: int
+    settled: bool
+
+
+def relaxed(
+    frame: Framework,
+    coords: FloatArray,
+    target: FloatArray,
+    last: bool,
+    potentials: Sequence[Potential] = (),
+    *,
+    fixed: BoolArray | None = None,
+    system: NewtonSystem | None = None,
+    watch: Callable[[], None] = lambda: None,
+) -> Rest:
+    """The local minimum of energy near to `coords`, shape (nv, 3).
+
+    Parameters
+    ----------
+    target : shape (nh,), radians, to which the hinges are driven.
+    last : whether the load is the full one: the sheet then rests as exactly as rounding allows.
+    potentials : what acts on the sheet besides its bars and hinges.
+    fixed : vertices that do not move, shape (nv,); none where left out.
+    system : that of the framework and its fixed vertices, where several loads share it.
+    watch : called before each system; an exception that it raises ends the fold.
+    """
+    system = system or NewtonSystem(frame, fixed)
+    most = _MOST_AT_LAST if last else _MOST
+    energy = energy_of(frame, coords, target, potentials)
+    accepted = [energy.total]
+    damping = _FIRST_DAMPING
+    here: Linearised | None = None
+    for solved in range(1, most + 1):
+        watch()
+        if here is None:
+            here = system.linearised(coords, target, potentials)
+        if not here.pulled and energy.total <= _ROUNDING_ENERGY * here.trace:
+            return Rest(coords, tuple(accepted), solved - 1, True)
+        step = here.step(damping)
+        taken = None
+        if step is not None:
+            taken = _lower(frame, coords, step, target, potentials, energy)
+        if taken is None or step is None:
+            if step is not None and _no_more(here, step, damping, energy):
+                return Rest(coords, tuple(accepted), solved, True)
+            if damping > _MOST_DAMPING:
+                return Rest(coords, tuple(accepted), solved, step is not None)
+            damping = max(100 * damping, 1e-10)
+            continue
+        coords, here = taken.coords, None
+        share = (energy.total - taken.energy.total) / max(energy.scale, taken.energy.scale)
+        energy = taken.energy
+        accepted.append(energy.total)
+        if not taken.hindered and (
+            np.abs(step).max() < _ROUNDING
+            or (not last and damping < _TRUSTED_DAMPING and share < _SETTLED)
+        ):
+            return Rest(coords, tuple(accepted), solved, True)
+        if taken.length < 1:
+            damping = 10 * damping
+        elif not taken.hindered:
+            damping = max(damping / 10, _LEAST_DAMPING)
+    return Rest(coords, tuple(accepted), most, False)
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """A step that lowers the energy: where to, which part of what was allowed, if less than all."""
+
+    coords: FloatArray
+    energy: Energy
+    length: float
+    hindered: bool
+
+
+def _lower(
+    frame: Framework,
+    coords: FloatArray,
+    step: FloatArray,
+    target: FloatArray,
+    potentials: Sequence[Potential],
+    before: Energy,
+) -> _Taken | None:
+    """The longest part of a step that lowers the energy; None where none does."""
+    free = free_share(potentials, coords, step)
+    for length in _LENGTHS:
+        there = coords + length * free * step
+        energy = energy_of(frame, there, target, potentials)
+        if energy.total < before.total:
+            return _Taken(there, energy, length, free < 1)
+    return None
+
+
+def _no_more(here: Linearised, step: FloatArray, damping: float, energy: Energy) -> bool:
+    """Whether a step that does not lower the energy shows that nothing will."""
+    if np.abs(step).max() < _ROUNDING:
+        return True
+    gain = -float(np.sum(here.gradient * step)) / 2
+    return bool(damping < _TRUSTED_DAMPING and gain <= _NO_GAIN * energy.scale)
