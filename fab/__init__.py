@@ -18,6 +18,7 @@
 
 Its wings, each of which imports only wings above it:
 
+findings : what each code of a finding means, its cause and its cure.
 geometry : rings, planar graphs, triangulations and closed solids as arrays.
 pattern : the crease pattern in millimetres: development, kinematics, self-intersection.
 formats : files of other programs: patterns in SVG, DXF, CP, OPX, ORI, ORH, FOLD and OBJ are read,

@@ -10,6 +10,7 @@ from helpers import ROOT, TEMPLATES
 
 # What each wing may import besides itself, the solver and the modules at the root of `fab`.
 WINGS = {
+    "findings": set(),
     "geometry": set(),
     "pattern": {"geometry"},
     "formats": {"geometry", "pattern"},

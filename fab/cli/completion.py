@@ -1,4 +1,4 @@
-"""Names that a shell completes: shipped jobs beside files, materials, machines and printers."""
+"""Names that a shell completes: shipped jobs beside files, stock, and codes of findings."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Literal
 import click
 from click.shell_completion import CompletionItem
 
-__all__ = ["JobPath", "StockName"]
+__all__ = ["FindingCode", "JobPath", "StockName"]
 
 
 class JobPath(click.Path):
@@ -41,3 +41,17 @@ class StockName(click.ParamType[str]):
 
         del ctx, param
         return [CompletionItem(name) for name in known_of(self.kind) if name.startswith(incomplete)]
+
+
+class FindingCode(click.ParamType[str]):
+    """The code of a finding, or another word."""
+
+    name = "code"
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        from fab.findings import explained
+
+        del ctx, param
+        return [CompletionItem(code) for code in explained() if code.startswith(incomplete)]

@@ -9,6 +9,7 @@ from __future__ import annotations
 import click
 
 from fab.cli.figures import figure
+from fab.cli.findings import findings
 from fab.cli.folding import animate, simulate
 from fab.cli.jobs import new, run, templates
 from fab.cli.panels import thicken
@@ -30,6 +31,7 @@ def main() -> None:
 for command in (
     *(run, fabricate, thicken, simulate, animate, coupon, shipped, templates, new, check, convert),
     figure,
+    findings,
     studio,
     settings,
     sweep,

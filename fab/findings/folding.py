@@ -1,0 +1,117 @@
+"""Findings of sheets as they fold, with faces that bend or rigidly."""
+
+from __future__ import annotations
+
+from fab.findings.explanation import ERROR, NOTE, WARNING, Explanation
+
+__all__ = ["FOLDING"]
+
+FOLDING = (
+    Explanation(
+        "target-not-reached",
+        (NOTE, WARNING, ERROR),
+        "The simulated fold does not end where the fold angles say.",
+        "Angles do not close, the sheet locks, or it comes to rest elsewhere. It is an error in "
+        "`simulate`; for "
+        "thick panels a note where the folded form is known, a warning where it is not.",
+        "Correct the vertex that the text names, take more --states, or give --rigid for angles "
+        "that close.",
+    ),
+    Explanation(
+        "angles-do-not-close",
+        (ERROR,),
+        "The fold angles around a vertex contradict each other.",
+        "An angle is wrong, or for creases that fold by 180 degrees, the vertex is a little off "
+        "its place.",
+        "Correct the angle or move the vertex, as the text says, or give --rigid for angles "
+        "that close.",
+    ),
+    Explanation(
+        "folded-form-differs",
+        (WARNING,),
+        "The folded form in the file is not the one that its fold angles give.",
+        "It was moved or rounded, or is of another state.",
+        "Nothing: the angles are the target. Remove the form from the file, or write it again.",
+    ),
+    Explanation(
+        "nothing-to-fold",
+        (WARNING,),
+        "No crease has an angle: the sheet stays flat.",
+        "All creases are flat (F) or unassigned (U), or all angles are 0.",
+        "Give mountains and valleys, and --fold-deg where the file has no angles.",
+    ),
+    Explanation(
+        "creases-free",
+        (NOTE,),
+        "Some creases turn freely.",
+        "They are unassigned (U) and have no angle, or are slits.",
+        "Nothing, or give them letters: --assign finds those that flat folding forces.",
+    ),
+    Explanation(
+        "folds-in-turn",
+        (NOTE,),
+        "The sheet is folded along a path, each crease at a rate of its own.",
+        "Folded all at once, it gets stuck, as many flat-folded models do.",
+        "Nothing: fold it in turn by hand as well.",
+    ),
+    Explanation(
+        "crosses-on-the-way",
+        (NOTE, WARNING),
+        "Faces pass through each other while the sheet folds.",
+        "All creases fold together, and the simulation knows no contact. It is a warning where "
+        "the last state "
+        "crosses too.",
+        "Fold the sheet in another order; where the last state crosses, change the pattern.",
+    ),
+    Explanation(
+        "strained-on-the-way",
+        (NOTE,),
+        "The sheet is stretched on its way, and relaxed at its end.",
+        "It does not fold with flat faces: it snaps, or its faces bend.",
+        "Nothing for paper; for stiff sheets take a pattern that folds rigidly (`check` says "
+        "which do).",
+    ),
+    Explanation(
+        "no-rigid-motion",
+        (ERROR,),
+        "There is no motion with flat faces to follow.",
+        "The pattern is rigid when flat, or bends on its way.",
+        "Leave out --rigid, or take a rigidly foldable design such as rigid_miura.",
+    ),
+    Explanation(
+        "folds-rigidly",
+        (NOTE,),
+        "The sheet folds with flat faces all the way.",
+        "Its sectors allow it.",
+        "Nothing: it suits thick panels and stiff material.",
+    ),
+    Explanation(
+        "folds-flat",
+        (NOTE,),
+        "Beyond its target the sheet folds on until it is flat.",
+        "--fold-flat asked for it.",
+        "Nothing.",
+    ),
+    Explanation(
+        "fold-flat-stopped",
+        (WARNING,),
+        "Beyond its target the sheet does not fold until it is flat.",
+        "Faces would pass through each other, or no motion leads there.",
+        "Nothing, unless it is to be packed flat; choose other sectors then.",
+    ),
+    Explanation(
+        "rigid-fold",
+        (NOTE,),
+        "The fold angles are those of a rigid fold.",
+        "--rigid asked for them.",
+        "Nothing.",
+    ),
+    Explanation(
+        "rigid-fold-missing",
+        (WARNING,),
+        "No rigid fold with these mountains and valleys was found: the angles stay as they are.",
+        "The letters do not suit each other around a vertex, the sheet locks, or it folds less "
+        "far.",
+        "Correct the letters at the vertex that the text names, or give a smaller --fold-deg.",
+    ),
+)
