@@ -8,7 +8,7 @@ whose vertices may change from matrix to matrix within the sparsity (`NormalAsse
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,6 +20,9 @@ from solver.sparse import Triangle
 from solver.vectors import FloatArray, IntArray, scattered
 
 __all__ = ["Blocks", "NormalAssembly"]
+
+# Products that are added up at a time: so many stay in a processor's cache.
+_PRODUCTS = 8192
 
 
 @dataclass(frozen=True)
@@ -37,20 +40,22 @@ class Blocks:
 
 
 @dataclass(frozen=True)
-class _Group:
-    """Residuals that have equally many vertices, k.
+class _Run:
+    """Blocks one after another, with the products of gradients that are added in them.
 
     Attributes
     ----------
-    order : shape (n, k), positions of each residual's vertices by rising number.
-    first, second : shape (k (k + 1) / 2,), positions in that order of each pair, first >= second.
-    sums : blocks of the matrix as sums of products, shape (blocks, n x pairs).
+    high, low : gradients whose product each is, by their places among all gradients, one residual
+        after another, shape (n,).
+    starts : where the products of each block begin, shape (end - begin,).
+    begin, end : of the blocks, among those that have products.
     """
 
-    order: IntArray
-    first: IntArray
-    second: IntArray
-    sums: csr_array
+    high: IntArray
+    low: IntArray
+    starts: IntArray
+    begin: int
+    end: int
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,8 @@ class NormalAssembly:
     triangle: Triangle
     vertices: tuple[IntArray, ...]
     blocks: Triangle
-    _groups: tuple[_Group, ...]
+    _runs: tuple[_Run, ...]
+    _filled: IntArray
     _entries: IntArray
 
     @classmethod
@@ -95,14 +101,19 @@ class NormalAssembly:
         blocks, slots = Triangle.of(
             count, _joined([each.high for each in pairs]), _joined([each.low for each in pairs])
         )
-        number = len(blocks.rows)
-        groups, begin = [], 0
-        for each in pairs[: len(vertices)]:
-            part = slots[begin : begin + len(each.high)]
-            begin += len(each.high)
-            groups.append(_Group(each.order, each.first, each.second, _sums(part, number)))
         triangle, entries = _expanded(blocks)
-        return cls(count, triangle, tuple(vertices), blocks, tuple(groups), entries)
+        firsts, seconds, begin = [], [], 0
+        for each in pairs[: len(vertices)]:
+            residual = begin + each.order.shape[1] * np.arange(len(each.order))[:, None]
+            firsts.append((residual + each.order[:, each.first]).ravel())
+            seconds.append((residual + each.order[:, each.second]).ravel())
+            begin += each.order.size
+        high, low = _joined(firsts), _joined(seconds)
+        used = np.flatnonzero(slots[: len(high)] < len(blocks.rows))
+        used = used[np.argsort(slots[used], kind="stable")]
+        filled, starts = np.unique(slots[used], return_index=True)
+        runs = tuple(_runs(high[used], low[used], starts))
+        return cls(count, triangle, tuple(vertices), blocks, runs, filled, entries)
 
     def covers(self, vertices: IntArray) -> bool:
         """Whether blocks over these vertices, shape (n, k), may be added to the matrix."""
@@ -127,12 +138,18 @@ class NormalAssembly:
         weights : of each group, one number or one for each residual, shape (n,).
         blocks : each of them covered.
         """
-        total = np.zeros((self._groups[0].sums.shape[0], 9)) if self._groups else np.zeros((0, 9))
-        for group, gradient, weight in zip(self._groups, gradients, weights, strict=True):
-            rising = np.take_along_axis(gradient, group.order[:, :, None], axis=1)
-            weighted = rising * np.asarray(weight, float).reshape(-1, 1, 1)
-            products = weighted[:, group.first, :, None] * rising[:, group.second, None, :]
-            total += group.sums @ products.reshape(-1, 9)
+        pairs = list(zip(gradients, weights, strict=True))
+        plain = _columns([gradient for gradient, _ in pairs])
+        weighted = _columns([_times(weight, gradient) for gradient, weight in pairs])
+        count = len(self.blocks.rows)
+        total = np.zeros((3, 3, count))
+        sums = total if len(self._filled) == count else np.empty((3, 3, len(self._filled)))
+        for run in self._runs:
+            left = weighted.take(run.high, axis=1)[:, None]
+            products = left * plain.take(run.low, axis=1)[None]
+            np.add.reduceat(products, run.starts, axis=2, out=sums[:, :, run.begin : run.end])
+        if sums is not total:
+            total[:, :, self._filled] = sums
         for added in blocks:
             total += self._summed(added)
         return total.ravel()[self._entries]
@@ -152,19 +169,19 @@ class NormalAssembly:
             self.vertices, gradients, weights, values, strict=True
         ):
             there = group >= 0
-            pulls = np.asarray(weight * value).reshape(-1, 1, 1) * gradient
+            pulls = _times(weight * value, gradient)
             total += scattered(group[there], pulls[there], self.count)
         return total
 
     def _summed(self, added: Blocks) -> FloatArray:
-        """Blocks of the matrix, shape (blocks, 9), of those that are added."""
+        """Blocks of the matrix, shape (3, 3, blocks), of those that are added."""
         count, width = added.vertices.shape
         pairs = _Pairs.of(added.vertices)
         parts = added.matrices.reshape(count, width, 3, width, 3).swapaxes(2, 3)
         row = np.arange(count)[:, None]
         products = parts[row, pairs.order[:, pairs.first], pairs.order[:, pairs.second]]
         sums = _sums(self._places(pairs), len(self.blocks.rows))
-        return np.asarray(sums @ products.reshape(-1, 9))
+        return np.asarray((sums @ products.reshape(-1, 9)).T.reshape(3, 3, -1))
 
     def _places(self, pairs: _Pairs) -> IntArray:
         """Slots of pairs in `blocks`: their number for none, more where they are not covered."""
@@ -184,8 +201,11 @@ class NormalAssembly:
 class _Pairs:
     """Pairs of the k vertices of residuals or blocks.
 
-    order, first, second : as in `_Group`. high, low : numbers of both vertices, one residual after
-    another, -1 for none.
+    Attributes
+    ----------
+    order : shape (n, k), positions of each residual's vertices by rising number.
+    first, second : shape (k (k + 1) / 2,), positions in that order of each pair, first >= second.
+    high, low : numbers of both vertices, one residual after another, -1 for none.
     """
 
     order: IntArray
@@ -214,6 +234,29 @@ def _sums(places: IntArray, number: int) -> csr_array:
     return csr_array((np.ones(len(used)), (places[used], used)), shape=(number, len(places)))
 
 
+def _runs(high: IntArray, low: IntArray, starts: IntArray) -> Iterator[_Run]:
+    """The products of all blocks, in runs that a processor's cache holds."""
+    ends = np.append(starts[1:], len(high))
+    begin = 0
+    while begin < len(starts):
+        first = starts[begin]
+        end = max(int(np.searchsorted(ends, first + _PRODUCTS, side="right")), begin + 1)
+        part = slice(first, ends[end - 1])
+        yield _Run(high[part], low[part], starts[begin:end] - first, begin, end)
+        begin = end
+
+
+def _columns(gradients: Sequence[FloatArray]) -> FloatArray:
+    """All gradients, one residual after another, shape (3, n)."""
+    rows = [gradient.reshape(-1, 3) for gradient in gradients]
+    return np.ascontiguousarray(np.concatenate(rows).T) if rows else np.empty((3, 0))
+
+
+def _times(weight: float | FloatArray, gradient: FloatArray) -> FloatArray:
+    """Gradients, shape (n, k, 3), times a weight of each residual."""
+    return np.asarray(weight, float).reshape(-1, 1, 1) * gradient
+
+
 def _joined(arrays: Sequence[IntArray]) -> IntArray:
     return np.concatenate(arrays) if arrays else np.empty(0, np.int64)
 
@@ -221,7 +264,7 @@ def _joined(arrays: Sequence[IntArray]) -> IntArray:
 def _expanded(blocks: Triangle) -> tuple[Triangle, IntArray]:
     """The triangle in which each entry of `blocks` is one of 3 x 3 numbers.
 
-    And where each of its entries is in the blocks, one after another, row by row.
+    And where each of its entries is in the blocks: in an array of shape (3, 3, blocks).
     """
     low = np.repeat(np.arange(blocks.size), np.diff(blocks.bounds))
     row, column = np.divmod(np.arange(9), 3)
@@ -231,4 +274,5 @@ def _expanded(blocks: Triangle) -> tuple[Triangle, IntArray]:
     order = kept[np.lexsort((rows[kept], columns[kept]))]
     size = 3 * blocks.size
     bounds = np.searchsorted(columns[order], np.arange(size + 1))
-    return Triangle(size, bounds, rows[order]), order
+    block, place = np.divmod(order, 9)
+    return Triangle(size, bounds, rows[order]), place * len(blocks.rows) + block
