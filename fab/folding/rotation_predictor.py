@@ -14,9 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import SuperLU, splu
-from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
+from fab.folding.unit_quaternions import (
+    inverse,
+    matrices,
+    of_vectors,
+    product,
+    turned,
+    vectors_of,
+)
 from fab.pattern.face_tree import FaceTree, face_tree
 from solver.vectors import FloatArray, IntArray, scattered, unit
 
@@ -36,6 +43,8 @@ class RotationPredictor:
     axes : shape (nh, 3), unit vectors along the hinges in the flat sheet.
     averaging : factors of the graph Laplacian of the triangles, which averages rotations.
     joining : factors of that of the vertices, which joins rotated triangles.
+    sides, weights : of the triangles: both ends of each, shape (nt, 3, 2), and the inverse of its
+        square, shape (nt, 3), so that equal strain costs the same.
     """
 
     frame: Framework
@@ -43,6 +52,8 @@ class RotationPredictor:
     axes: FloatArray
     averaging: SuperLU
     joining: SuperLU
+    sides: IntArray
+    weights: FloatArray
 
     def coords(self, angles: FloatArray) -> FloatArray:
         """Vertices of the sheet whose hinges turn by `angles`, shape (nh,), radians.
@@ -51,28 +62,38 @@ class RotationPredictor:
         where it is in the flat sheet.
         """
         frame = self.frame
-        turns = Rotation.from_rotvec(-self.axes * angles[:, None]).as_matrix()
-        pose, _ = self.tree.poses(turns, np.zeros_like(self.axes))
+        turns = of_vectors(-self.axes.T * angles)
+        back = inverse(turns)
+        pose = self._along_tree(turns)
         first, second = frame.hinges_triangles.T
         for _ in range(_ROUNDS):
-            off = pose[first].swapaxes(1, 2) @ pose[second] @ turns.swapaxes(1, 2)
-            vector = np.squeeze(pose[first] @ _rotation_vectors(off)[:, :, None], axis=2)
-            pull = frame.hinges_length[:, None] * vector
+            here = pose[:, first]
+            off = product(product(inverse(here), pose[:, second]), back)
+            pull = (frame.hinges_length * turned(here, vectors_of(off))).T
             change = self.averaging.solve(
-                scattered(first, pull, len(pose)) - scattered(second, pull, len(pose))
+                scattered(first, pull, pose.shape[1]) - scattered(second, pull, pose.shape[1])
             )
-            pose = Rotation.from_rotvec(change).as_matrix() @ pose
-        return self._joined(pose)
+            pose = product(of_vectors(change.T), pose)
+        return self._joined(matrices(pose))
+
+    def _along_tree(self, turns: FloatArray) -> FloatArray:
+        """Rotation of every triangle, by products along the tree, doubling the stride."""
+        parent, below = self.tree.parent, self.tree.link >= 0
+        pose = np.zeros((4, len(parent)))
+        pose[3] = 1.0
+        own = turns[:, self.tree.link[below]]
+        pose[:, below] = np.where(self.tree.forward[below], own, inverse(own))
+        while (parent != parent[parent]).any():
+            pose = product(pose[:, parent], pose)
+            parent = parent[parent]
+        return pose
 
     def _joined(self, pose: FloatArray) -> FloatArray:
         """Vertices whose sides are, by least squares, those of the rotated triangles."""
-        frame = self.frame
-        sides = _triangle_sides(frame.triangles_vertices)
-        flat = frame.vertices_coords[sides[..., 1]] - frame.vertices_coords[sides[..., 0]]
-        turned = flat @ pose.swapaxes(1, 2)
-        pull = (turned * _side_weights(frame)[..., None]).reshape(-1, 3)
-        start, end = sides.reshape(-1, 2).T
-        count = len(frame.vertices_coords)
+        flat, count = self.frame.vertices_coords, len(self.frame.vertices_coords)
+        along = flat[self.sides[..., 1]] - flat[self.sides[..., 0]]
+        pull = ((along @ pose.swapaxes(1, 2)) * self.weights[..., None]).reshape(-1, 3)
+        start, end = self.sides.reshape(-1, 2).T
         coords = self.joining.solve(scattered(end, pull, count) - scattered(start, pull, count))
         return np.asarray(coords, np.float64)
 
@@ -83,28 +104,25 @@ def rotation_predictor(frame: Framework) -> RotationPredictor:
     middles = frame.vertices_coords[frame.triangles_vertices].mean(axis=1)[:, :2]
     tree = face_tree(middles, pairs, lengths)
     _, first = np.unique(frame.component, return_index=True)
-    sides = _triangle_sides(frame.triangles_vertices).reshape(-1, 2)
-    weights = _side_weights(frame).ravel()
+    sides = _triangle_sides(frame.triangles_vertices)
+    along = frame.vertices_coords[sides[..., 1]] - frame.vertices_coords[sides[..., 0]]
+    weights = 1 / (along**2).sum(axis=2)
+    count = len(frame.vertices_coords)
     ends = frame.vertices_coords[frame.hinges_vertices[:, :2]]
     return RotationPredictor(
         frame,
         tree,
         unit(ends[:, 1] - ends[:, 0]),
-        splu(_pinned_laplacian(pairs, lengths, len(middles), tree.roots)),
-        splu(_pinned_laplacian(sides, weights, len(frame.vertices_coords), first)),
+        _factors(_pinned_laplacian(pairs, lengths, len(middles), tree.roots)),
+        _factors(_pinned_laplacian(sides.reshape(-1, 2), weights.ravel(), count, first)),
+        sides,
+        weights,
     )
 
 
 def _triangle_sides(triangles: IntArray) -> IntArray:
     """Both ends of every side, shape (nt, 3, 2)."""
     return np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)
-
-
-def _side_weights(frame: Framework) -> FloatArray:
-    """Inverse square of each triangle side, shape (nt, 3): equal strain costs the same."""
-    sides = _triangle_sides(frame.triangles_vertices)
-    flat = frame.vertices_coords[sides[..., 1]] - frame.vertices_coords[sides[..., 0]]
-    return np.asarray(1 / (flat**2).sum(axis=2))
 
 
 def _pinned_laplacian(
@@ -119,5 +137,6 @@ def _pinned_laplacian(
     return coo_array((values, (rows, columns)), shape=(count, count)).tocsc()
 
 
-def _rotation_vectors(matrices: FloatArray) -> FloatArray:
-    return np.asarray(Rotation.from_matrix(matrices).as_rotvec(), np.float64)
+def _factors(laplacian: csc_array) -> SuperLU:
+    # for three right sides at a time, which `solver.sparse` does not take
+    return splu(laplacian, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
