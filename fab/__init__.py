@@ -10,6 +10,7 @@
 | cut it | `fabricate` a `SheetRequest`, of `CutterSettings`, or `load_material`, `load_machine` |
 | cut several together | `fabricate_together` some `PatternCopies` |
 | fold it | `simulate`, with `FoldSettings`; `rigid_motion`, with flat faces |
+| know whether it lies flat, and in which layers | `layer_orders` |
 | see it grow and fold | `animate` |
 | run many variations of a job | `sweep` |
 | print it | `make_thick`, with `thick_settings` |
@@ -24,6 +25,7 @@ pattern : the crease pattern in millimetres: development, kinematics, self-inter
 formats : files of other programs: patterns in SVG, DXF, CP, OPX, ORI, ORH, FOLD and OBJ are read,
     in SVG, DXF, CP, FOLD and OBJ written; surfaces in STL, OBJ, PLY and STEP are read.
 surfaces : files to clean triangle meshes that designs follow.
+layers : whether a flat-folded sheet has an order of its layers, how many, and which.
 layout : faces divided into pieces, and pieces placed on beds.
 drawings : cut paths by operation, written as DXF, SVG and PDF, and in formats of machines.
 sheets : a pattern as laser-cut sheets.
@@ -56,6 +58,7 @@ if TYPE_CHECKING:
     from fab.jobs.print_files import make_thick
     from fab.jobs.reading import read_any, read_pattern
     from fab.jobs.sheet_files import fabricate, fabricate_together
+    from fab.layers.layer_orders import layer_orders
     from fab.outputs import Made, write
     from fab.panels.bevelled_panels import PanelSettings
     from fab.panels.cad_assembly import assembly, pose
@@ -96,6 +99,7 @@ __all__ = [
     "fabricate",
     "fabricate_together",
     "from_mesh",
+    "layer_orders",
     "load_job",
     "load_machine",
     "load_material",
@@ -138,6 +142,7 @@ _MODULES = {
     "fabricate": "fab.jobs.sheet_files",
     "fabricate_together": "fab.jobs.sheet_files",
     "from_mesh": "fab.jobs.job_files",
+    "layer_orders": "fab.layers.layer_orders",
     "load_job": "fab.jobs.job",
     "load_machine": "fab.sheets.materials",
     "load_material": "fab.sheets.materials",

@@ -15,6 +15,7 @@ WINGS = {
     "pattern": {"geometry"},
     "formats": {"geometry", "pattern"},
     "surfaces": {"geometry", "pattern", "formats"},
+    "layers": {"geometry", "pattern"},
     "layout": {"geometry", "pattern"},
     "drawings": {"geometry"},
     "sheets": {"geometry", "pattern", "layout", "drawings"},
@@ -52,6 +53,7 @@ GEOMETRY_TAKES = {
 }
 HEAVY = {
     *("build123d", "OCP", "manifold3d", "matplotlib", "reportlab", "trimesh", "u_nesting"),
+    "pysat",
     *("starlette", "tomlkit", "uvicorn"),
     *("duckdb", "filelock", "pyarrow", "simpleeval"),
 }

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from fab.outputs import Made
     from fab.pattern.crease_pattern import CreasePattern
     from fab.progress import Progress
+    from solver.vectors import IntArray
 
 __all__ = ["animate", "simulate"]
 
@@ -106,7 +107,7 @@ def simulate(
         settings = _settings(job, states)
 
         def make(progress: Progress) -> Made:
-            pattern, findings, upright = _pattern(file, job, options, size, progress)
+            pattern, findings, upright, orders = _pattern(file, job, options, size, progress)
             return simulate(
                 pattern,
                 name,
@@ -118,6 +119,7 @@ def simulate(
                 tolerance_deg=tolerance_deg,
                 fold_flat=fold_flat,
                 upright=upright,
+                face_orders=orders,
             )
 
         files = FilesOf(name, [FOLDING])
@@ -183,7 +185,7 @@ def animate(
 
         def make(progress: Progress) -> Made:
             if job is None:
-                pattern, findings, _ = _pattern(file, None, options, size, progress)
+                pattern, findings, *_ = _pattern(file, None, options, size, progress)
                 return animate(
                     pattern,
                     name,
@@ -247,20 +249,22 @@ def _settings(job: Job | None, states: int | None) -> FoldSettings:
 
 def _pattern(
     file: Path, job: Job | None, options: ReadOptions, size: Size, progress: Progress
-) -> tuple[CreasePattern, Sequence[Finding], bool]:
-    """The pattern to fold, grown for a job, or read; its findings; whether it stands upright."""
+) -> tuple[CreasePattern, Sequence[Finding], bool, IntArray | None]:
+    """The pattern to fold, grown for a job, or read; its findings; whether it stands upright; and
+    faceOrders of its file.
+    """
     if job is not None:
         from fab.jobs.grow import grown, growth_findings
         from fab.progress import Clock
 
         sheet = grown(job, Clock(progress))
         findings = [*sheet.findings, *growth_findings(sheet.growth)]
-        return sheet.pattern, findings, sheet.target is not None
+        return sheet.pattern, findings, sheet.target is not None, None
     from fab.formats.pattern_file import resized
     from fab.jobs.reading import read_any
 
     read = resized(read_any([file], options), width_mm=size.width_mm, factor=size.factor)
-    return read.pattern, read.findings, False
+    return read.pattern, read.findings, False, read.face_orders
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
@@ -268,9 +272,15 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     verdict = report["verdict"]
     if verdict is None:
         return
+    layers = report["layers"]
+    if layers is not None:
+        yield layers["text"]
     far = verdict["rmsd_rel"]
+    reached = "folds to its target" if verdict["reached"] else "does not reach its target"
+    if verdict["reached"] and layers is not None and layers["folds_flat"] == "no":
+        reached = "cannot lie flat, though its angles are reached"
     yield (
-        f"{'folds to its target' if verdict['reached'] else 'does not reach its target'}: "
+        f"{reached}: "
         + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
         + f"creases by at most {verdict['angle_error_max_deg']:.2g} degrees, strain "
         f"{verdict['strain_max']:.2g} (on the way {verdict['peak_strain']:.2g})"

@@ -12,7 +12,7 @@ import click
 from fab.cli.console import answers, say, tell
 from fab.cli.delivery import write_made
 from fab.cli.options import FILE, Size, dry_run, reading_options, size_options
-from fab.errors import InvalidFile, InvalidJob
+from fab.errors import InvalidFile, InvalidJob, Severity
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
@@ -31,13 +31,16 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
     """Measure a pattern that has a folded form: planar, developable, isometric, uncrossed?
 
     FILE is FOLD, or one of a pair of OBJ files; drawings have no folded form. Of any pattern it
-    says whether it folds with flat faces, and with how many degrees of freedom.
+    says whether it folds with flat faces, and with how many degrees of freedom; and of one that
+    folds flat whether its layers have an order.
     """
     with answers():
         from fab.folding.rigid_motion import rigid_motion
         from fab.formats.pattern_file import resized
         from fab.jobs.pattern_check import check_pattern
         from fab.jobs.reading import read_any
+        from fab.layers.layer_findings import inspect_layers
+        from fab.layers.layer_orders import layer_orders
         from solver import InvalidValue
 
         if not math.isfinite(tolerance):
@@ -48,6 +51,7 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
         try:
             found = check_pattern(pattern, tolerance)
             motion = rigid_motion(pattern)
+            layers = layer_orders(pattern, read.face_orders)
         except InvalidValue as error:
             raise InvalidFile(f"{file}: {error}") from error
         counts = pattern.counts()
@@ -55,6 +59,10 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
         say(f"faces               {pattern.face_count}")
         say(f"edges               {' '.join(f'{k}:{v}' for k, v in counts.items())}")
         say(f"flat faces          {motion.sentence()}")
+        if layers is not None:
+            say(f"layers              {layers.text()}")
+        unordered = inspect_layers(layers)
+        tell(unordered)
         if found is None:
             raise InvalidFile(
                 f"{file}: no folded frame to measure. Add a frame of class foldedForm."
@@ -64,7 +72,8 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
         say(f"isometry            {found.accuracy.isometry_max_rel:.3e}")
         say(f"crossings           {found.crossings}")
         tell(found.findings)
-        sys.exit(0 if found.within_tolerance else 1)
+        lies = all(finding.severity != Severity.ERROR for finding in unordered)
+        sys.exit(0 if found.within_tolerance and lies else 1)
 
 
 @click.command()

@@ -8,7 +8,7 @@ import numpy as np
 
 from fab.errors import Finding
 from fab.pattern.crease_pattern import CreasePattern, scaled
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["PatternFile", "State", "resized"]
 
@@ -29,6 +29,7 @@ class PatternFile:
     mm_per_unit : millimetres per unit of the file.
     origin : the pattern's lower left corner in the file, mm, shape (2,): places of findings are
         measured from where the file has its own origin.
+    face_orders : rows of FOLD's faceOrders in the file, by the faces of the pattern, shape (n, 3).
     """
 
     title: str
@@ -38,6 +39,7 @@ class PatternFile:
     patterns: int = 1
     mm_per_unit: float = 1.0
     origin: FloatArray = field(default_factory=lambda: np.zeros(2))
+    face_orders: IntArray = field(default_factory=lambda: np.empty((0, 3), np.int64))
 
 
 def resized(

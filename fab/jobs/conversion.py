@@ -13,17 +13,21 @@ from fab.formats.meshes.obj_patterns import FLAT, FOLD
 from fab.formats.oripa.cp import cp_bytes, lost_in_cp
 from fab.formats.pattern_file import PatternFile
 from fab.formats.svg.writer import simulator_svg_bytes
+from fab.layers.layer_findings import inspect_layers
+from fab.layers.layer_orders import layer_orders
 from fab.outputs import Made, plain_title
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_closure
 from fab.viewing.reading_picture import reading_png_bytes
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["WRITTEN", "convert"]
 
 
 # Endings of files that are written.
 WRITTEN = (".fold", ".svg", ".dxf", ".cp", ".obj", ".png")
+# The order of layers is sought for so long.
+_LAYERS_S = 20.0
 
 
 def convert(read: PatternFile, target: Path) -> Made:
@@ -46,7 +50,9 @@ def convert(read: PatternFile, target: Path) -> Made:
         made = _obj_sheet if pattern.folded_coords is None else _obj_pair
         return Made(made(pattern, target, title), {}, tuple(findings))
     if ending == ".fold":
-        data = fold_bytes(pattern, title, read.states)
+        orders, found = _orders(read)
+        findings += found
+        data = fold_bytes(pattern, title, read.states, orders)
     elif ending == ".svg":
         data = simulator_svg_bytes(pattern, title)
     elif ending == ".png":
@@ -60,6 +66,21 @@ def convert(read: PatternFile, target: Path) -> Made:
         data = cp_bytes(pattern)
         findings += lost_in_cp(pattern)
     return Made({target.name: data}, {}, tuple(findings))
+
+
+def _orders(read: PatternFile) -> tuple[IntArray | None, list[Finding]]:
+    """Rows of faceOrders, of all faces that overlap where the sheet is folded flat, and findings.
+
+    Those of the file where its folded form has other angles than 180 degrees; None where the order
+    is not known.
+    """
+    pattern = read.pattern
+    if pattern.folded_coords is None:
+        return None, []
+    layers = layer_orders(pattern, read.face_orders, _LAYERS_S)
+    if layers is None:
+        return (read.face_orders if len(read.face_orders) else None), []
+    return (layers.orders if len(layers.orders) else None), inspect_layers(layers)
 
 
 def _obj_sheet(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:

@@ -18,11 +18,14 @@ from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.file_names import FOLDING
+from fab.layers.layer_findings import inspect_layers
+from fab.layers.layer_orders import layer_orders
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
 from fab.progress import Progress, silent
 from fab.viewing.scene_builders import folding_scene
+from solver.vectors import IntArray
 
 if TYPE_CHECKING:
     from fab.viewing.scene import Scene
@@ -52,12 +55,15 @@ def simulate(
     tolerance_deg: float | None = None,
     fold_flat: bool = False,
     upright: bool = False,
+    face_orders: IntArray | None = None,
 ) -> Made:
     """Fold a pattern from flat, and make NAME_folding.fold, .png, .gif, .glb, .html and .json.
 
     The FOLD file has the sheet with its cuts open, its folded form (that of the pattern, or of its
     angles where they close, or what it folds to), and a frame for each state. The report is the
-    .json file and holds the verdict, and under "rigid" whether the sheet folds with flat faces.
+    .json file and holds the verdict, and under "rigid" whether the sheet folds with flat faces. Of
+    sheets that fold flat it has under "layers" whether their layers have an order, and the folded
+    form in the FOLD file has that of one (`fab.layers`).
 
     Parameters
     ----------
@@ -69,6 +75,7 @@ def simulate(
     fold_flat : whether it goes on beyond the target until the sheet is folded flat, as far as no
         faces pass through each other; of that solver alone.
     upright : whether z is up in the folded form of the pattern, and in pictures.
+    face_orders : rows of faceOrders of its file, shape (n, 3), which the layers have if they can.
     tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
         left out, and in proportion for shape and strain.
     progress : called with (stage, steps done, steps in the stage).
@@ -91,7 +98,7 @@ def simulate(
     else:
         motion = rigid_motion(pattern)
         if not len(motion.path):
-            report |= {"verdict": None, "rigid": motion.report()}
+            report |= {"verdict": None, "rigid": motion.report(), "layers": None}
             return with_report(
                 {}, FOLDING.report_name(name), report, [*findings, no_motion(motion)]
             )
@@ -99,6 +106,8 @@ def simulate(
             pattern, motion, settings, progress, tolerance, fold_flat=fold_flat
         )
         folding, shown, rigid = fold.folding, fold.shown, motion.report() | fold.report(motion)
+    progress("layers", 0, 1)
+    layers = layer_orders(pattern, face_orders)
     files: dict[str, bytes] = {}
     sheet = folding.frame.sheet.pattern
     if SimulationFormat.FOLD in formats:
@@ -109,7 +118,9 @@ def simulate(
         ]
         form = folded_form(folding, verdict, tolerance)
         folded = None if form is None else form * size
-        files[f"{stem}.fold"] = fold_bytes(replace(sheet, folded_coords=folded), name, states)
+        orders = None if layers is None or not len(layers.orders) else layers.orders
+        shown_sheet = replace(sheet, folded_coords=folded)
+        files[f"{stem}.fold"] = fold_bytes(shown_sheet, name, states, orders)
     if SimulationFormat.PNG in formats:
         from fab.viewing.folding_picture import states_png_bytes
 
@@ -121,8 +132,10 @@ def simulate(
         scene = folding_scene(shown, name, upright=upright)
         files[f"{stem}.gif"] = folding_gif_bytes(scene, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
-    every = [*findings, *([] if differs else inspect_angles(sheet)), *found]
+    angles = [] if differs else inspect_angles(sheet)
+    every = [*findings, *angles, *found, *inspect_layers(layers)]
     report |= {"verdict": verdict.report(), "rigid": rigid}
+    report["layers"] = None if layers is None else layers.report()
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
     if {SimulationFormat.GLB, SimulationFormat.HTML} & set(formats):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -103,7 +104,7 @@ def _toggles(edges_faces: IntArray, edges_lines: IntArray, offsets: IntArray) ->
     out = []
     faces = edges_faces.tolist()
     lines, bounds = edges_lines.tolist(), offsets.tolist()
-    for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
+    for begin, end in pairwise(bounds):
         mask = 0
         for line in lines[begin:end]:
             for face in faces[line]:

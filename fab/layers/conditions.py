@@ -120,7 +120,8 @@ def overlapping(form: FlatForm, cells: Cells) -> IntArray:
     count = form.sheet.face_count
     pairs = _pairs(_stacks(cells.masks, cells, count), count)
     region = form.faces_region[pairs]
-    return pairs[region[:, 0] != region[:, 1]]
+    apart: IntArray = pairs[region[:, 0] != region[:, 1]]
+    return apart
 
 
 def _region_masks(form: FlatForm, cells: Cells) -> list[int]:
@@ -188,7 +189,8 @@ def _at_edges(
     for edge, (left, right) in enumerate(sides):
         here = lines[bounds[edge] : bounds[edge + 1]]
         ending = 0  # regions that end here
-        left_folds, right_folds = [], []
+        left_folds: list[tuple[int, int]] = []
+        right_folds: list[tuple[int, int]] = []
         for line in here:
             a, b = edges_faces[line]
             if joined[line]:  # both sides are one region, which goes on here

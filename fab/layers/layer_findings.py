@@ -2,31 +2,10 @@
 
 from __future__ import annotations
 
-from fab.errors import Finding, Severity, counted, first_few
-from fab.layers.layer_orders import FoldsFlat, LayerOrders
+from fab.errors import Finding, Severity, first_few
+from fab.layers.layer_orders import FoldsFlat, LayerOrders, named
 
-__all__ = ["inspect_layers", "layers_text"]
-
-# A text names up to this many faces.
-_SHOWN = 12
-_MANY = 1_000_000
-
-
-def layers_text(layers: LayerOrders) -> str:
-    """Such as "folds flat: yes, its layers have 4 orders".
-
-    >>> layers_text(LayerOrders(FoldsFlat.NO, states=0, faces=(2, 5, 7)))
-    'folds flat: no, because of faces 2, 5 and 7'
-    """
-    if layers.folds_flat is FoldsFlat.UNDECIDED:
-        return f"folds flat: undecided, {layers.reason}"
-    if layers.folds_flat is FoldsFlat.NO:
-        because = f", because of {_faces(layers.faces)}" if layers.faces else ""
-        return f"folds flat: no{because}"
-    assert layers.states is not None
-    number = f"{layers.states:.3g}" if layers.states > _MANY else str(layers.states)
-    least = "" if layers.states_exact else "at least "
-    return f"folds flat: yes, its layers have {least}{number} order{'s' if number != '1' else ''}"
+__all__ = ["inspect_layers"]
 
 
 def inspect_layers(layers: LayerOrders | None) -> list[Finding]:
@@ -42,7 +21,7 @@ def inspect_layers(layers: LayerOrders | None) -> list[Finding]:
     if layers.folds_flat is FoldsFlat.NO:
         return [_no_order(layers)]
     if layers.given is False:
-        of = f" of {_faces(layers.given_faces)}" if layers.given_faces else ""
+        of = f" of {named(layers.given_faces)}" if layers.given_faces else ""
         text = (
             f"the faceOrders of the file{of} contradict each other or the letters of creases, so "
             "that a sheet would pass through itself: another order of its layers is taken."
@@ -55,7 +34,7 @@ def inspect_layers(layers: LayerOrders | None) -> list[Finding]:
 def _no_order(layers: LayerOrders) -> Finding:
     if layers.faces:
         because = (
-            f": {_faces(layers.faces)} alone cannot be put in layers, whatever the others do. "
+            f": {named(layers.faces)} alone cannot be put in layers, whatever the others do. "
             "Change the letters of creases between them, or what lies under them."
         )
     else:
@@ -64,12 +43,3 @@ def _no_order(layers: LayerOrders) -> Finding:
         f"the sheet cannot lie flat: in every order of its layers it passes through itself{because}"
     )
     return Finding("cannot-lie-flat", Severity.ERROR, text, panels=first_few(layers.faces))
-
-
-def _faces(faces: tuple[int, ...]) -> str:
-    """Such as "faces 2, 5 and 7"; of many, the first few and how many there are."""
-    if len(faces) > _SHOWN:
-        first = ", ".join(map(str, faces[:_SHOWN]))
-        return f"{counted(len(faces), 'face')} ({first}, …)"
-    *others, last = map(str, faces)
-    return f"faces {', '.join(others)} and {last}" if others else f"face {last}"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from fab.errors import first_few
+from fab.errors import counted, first_few
 from fab.layers.cells import Cells, cells_of
 from fab.layers.conditions import Conditions, conditions_of, overlapping
 from fab.layers.flat_form import FlatForm, flat_form
@@ -21,12 +21,14 @@ from fab.pattern.crease_pattern import CreasePattern
 from solver.errors import InvalidState
 from solver.vectors import IntArray
 
-__all__ = ["FoldsFlat", "LayerOrders", "layer_orders"]
+__all__ = ["FoldsFlat", "LayerOrders", "layer_orders", "named"]
 
 # Faces over cells, as bits of numbers: more do not fit into memory.
 _MOST_BITS = 4e8
 # So many times the reach of points.
 _REACHES = (1.0, 10.0, 100.0)
+# A text names up to this many faces, and numbers beyond this by three digits.
+_SHOWN, _MANY = 12, 1_000_000
 _NO_ROWS = np.empty((0, 3), np.int64)
 
 
@@ -71,9 +73,26 @@ class LayerOrders:
     given: bool | None = None
     given_faces: tuple[int, ...] = ()
 
+    def text(self) -> str:
+        """Such as "folds flat: yes, its layers have 4 orders".
+
+        >>> LayerOrders(FoldsFlat.NO, states=0, faces=(2, 5, 7)).text()
+        'folds flat: no, because of faces 2, 5 and 7'
+        """
+        if self.folds_flat is FoldsFlat.UNDECIDED:
+            return f"folds flat: undecided, {self.reason}"
+        if self.folds_flat is FoldsFlat.NO:
+            return "folds flat: no" + (f", because of {named(self.faces)}" if self.faces else "")
+        assert self.states is not None
+        number = f"{self.states:.3g}" if self.states > _MANY else str(self.states)
+        least = "" if self.states_exact else "at least "
+        orders = "order" if number == "1" else "orders"
+        return f"folds flat: yes, its layers have {least}{number} {orders}"
+
     def report(self) -> dict[str, Any]:
         """As JSON values: the first 20 faces and parts, and KEY_count for all."""
         return {
+            "text": self.text(),
             "folds_flat": self.folds_flat.value,
             "states": self.states,
             "states_exact": self.states_exact,
@@ -86,6 +105,15 @@ class LayerOrders:
             "conditions": self.conditions,
             "face_orders_of_file": self.given,
         }
+
+
+def named(faces: Sequence[int]) -> str:
+    """Such as "faces 2, 5 and 7"; of many, the first few and how many there are."""
+    if len(faces) > _SHOWN:
+        first = ", ".join(map(str, faces[:_SHOWN]))
+        return f"{counted(len(faces), 'face')} ({first}, …)"
+    *others, last = map(str, faces)
+    return f"faces {', '.join(others)} and {last}" if others else f"face {last}"
 
 
 def layer_orders(
@@ -137,6 +165,17 @@ def layer_orders(
             f"folded: faces miss each other by up to {form.gap_mm:.2g} mm"
         )
         return LayerOrders(FoldsFlat.UNDECIDED, reason=reason)
+    try:
+        return _answered(form, cells, given, clock, seconds)
+    except ImportError:
+        reason = "python-sat, which finds the order, is not installed: pip install python-sat"
+        return LayerOrders(FoldsFlat.UNDECIDED, reason=reason)
+
+
+def _answered(
+    form: FlatForm, cells: Cells, given: IntArray | None, clock: Clock, seconds: float
+) -> LayerOrders:
+    """The layers of a folded form. Raises `ImportError` without python-sat."""
     conditions = conditions_of(form, cells)
     found = solved(conditions, clock)
     pairs = overlapping(form, cells)
@@ -157,7 +196,9 @@ def layer_orders(
         states_exact=all(each.exact for each in found.counts),
         parts=tuple(each.number for each in found.counts),
     )
-    true = [] if given is None else _literals(form, conditions, given)
+    if given is None or not len(given):
+        return answer
+    true = _literals(form, conditions, given)
     if not len(true):
         return answer
     again = solved(conditions, clock, true, count=False)
@@ -181,12 +222,13 @@ def _literals(form: FlatForm, conditions: Conditions, given: IntArray) -> IntArr
     first, second, side = given[np.isin(given[:, 2], [1, -1])].T
     region = form.faces_region
     above = conditions.above(region[first], region[second])
-    literals = above * side * np.where(form.faces_turned[second], -1, 1)
-    return literals[literals != 0]
+    literals: IntArray = above * side * np.where(form.faces_turned[second], -1, 1)
+    out: IntArray = literals[literals != 0]
+    return out
 
 
 def _unordered(
-    form: FlatForm, conditions: Conditions, clock: Clock, true: Sequence[int] = ()
+    form: FlatForm, conditions: Conditions, clock: Clock, true: IntArray | None = None
 ) -> tuple[int, ...]:
     regions = unordered_regions(conditions, form.region_count, clock, true)
     if regions is None:

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from fab.errors import InvalidJob
-
 __all__ = ["Clock", "SatSolver", "solver_of"]
 
 # Solves the same way every time, and may be asked to stop after some conflicts.
@@ -69,14 +67,8 @@ class SatSolver:
 
 @contextmanager
 def solver_of(clauses: Iterable[Sequence[int]], clock: Clock) -> Iterator[SatSolver]:
-    """A solver of clauses. Raises `InvalidJob` where python-sat is not installed."""
-    try:
-        solver = SatSolver(clauses, clock)
-    except ImportError as error:
-        raise InvalidJob(
-            "the order of layers is found by python-sat, which is not installed here: "
-            "pip install python-sat"
-        ) from error
+    """A solver of clauses. Raises `ImportError` where python-sat is not installed."""
+    solver = SatSolver(clauses, clock)
     try:
         yield solver
     finally:

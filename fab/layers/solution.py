@@ -18,8 +18,9 @@ from solver.vectors import BoolArray, IntArray
 __all__ = ["Circles", "Solution", "solved", "transitive_clauses"]
 
 # Triples up to so many are all written down; of more, only those that a solution violates.
-_MOST_TRIPLES = 6_000_000
+_MOST_TRIPLES = 12_000_000
 _AT_ONCE = 500_000
+_NONE = np.empty(0, np.int64)
 # About so many violated triples are added at a time, and of one stack.
 _MOST_VIOLATED, _OF_STACK = 20_000, 500
 # Counting ends after decisions on so many clauses, of one component and of all.
@@ -47,13 +48,13 @@ class Solution:
 
 
 def solved(
-    conditions: Conditions, clock: Clock, true: Sequence[int] = (), *, count: bool = True
+    conditions: Conditions, clock: Clock, true: IntArray = _NONE, *, count: bool = True
 ) -> Solution:
     """A solution of the conditions, and how many there are.
 
     true : literals that are true besides. count : without it only one solution is sought.
     """
-    known = np.concatenate([conditions.known, np.asarray(true, np.int64)])
+    known = np.concatenate([conditions.known, true])
     classes = classes_of(len(conditions.pairs), conditions.equal, known)
     if classes.contradicts:
         return Solution(False)
@@ -70,8 +71,8 @@ def solved(
         if clock.over:
             return Solution(None)
         left = classes.of(transitive_clauses(conditions, rows))
-        true = (np.sign(left) * values[np.abs(left)] > 0).any(axis=1)
-        parts.append(distinct_clauses(left[~true]))
+        met = (np.sign(left) * values[np.abs(left)] > 0).any(axis=1)
+        parts.append(distinct_clauses(left[~met]))
     clauses, fine = propagated(distinct_clauses(np.concatenate(parts)), values)
     if not fine:
         return Solution(False)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from fab.layers.conditions import Conditions
@@ -18,14 +16,14 @@ _TRIPLES = 5000
 
 
 def unordered_regions(
-    conditions: Conditions, count: int, clock: Clock, true: Sequence[int] = ()
+    conditions: Conditions, count: int, clock: Clock, true: IntArray | None = None
 ) -> IntArray | None:
     """Regions without an order of their own, none of which can be left out, rising.
 
     count : of all regions. true : literals that are true besides. None where time was over before
     any were found; where it is over later, some of them may be superfluous.
     """
-    known = np.concatenate([conditions.known, np.asarray(true, np.int64)])
+    known = conditions.known if true is None else np.concatenate([conditions.known, true])
     number = len(conditions.pairs)
     regions, rows = np.arange(count), np.empty((0, 3), np.int64)
     circles = Circles(conditions)

@@ -23,9 +23,10 @@ from fab.formats.drawn.importer import (
 )
 from fab.formats.drawn.letters import unused_colours
 from fab.formats.drawn.line_soup import LETTERS, UNLETTERED, Letters
-from fab.formats.drawn.lines import Lines, listed, place_of, places_of
+from fab.formats.drawn.lines import Faces, Lines, listed, place_of, places_of
 from fab.formats.drawn.planar_lines import DrawnLines, ranks_of
 from fab.formats.drawn.sheet_pattern import sheet_pattern
+from fab.formats.fold.face_orders import read_face_orders
 from fab.formats.fold.faces import (
     faces_around,
     given_faces,
@@ -47,6 +48,7 @@ from fab.formats.read_options import ReadOptions
 from fab.formats.strictness import require_no_repairs
 from fab.formats.units import unit_named, unit_unknown
 from fab.geometry.arrangement import Arrangement
+from fab.geometry.rings import ring_areas
 from solver.graphs import labels
 from solver.mesh import Edges, edges_of
 from solver.polygons import next_corner
@@ -83,8 +85,8 @@ def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFi
     "assignment-missing", "assignment-unknown", "fold-angle-measured", "fold-angle-missing",
     "fold-angle-contradicts", "fold-angle-zero", "zero-length-edge", "duplicate-edge",
     "vertices-merged", "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area",
-    "border-unmarked", "border-inside", "folded-form-differs"; and, as no repairs,
-    "crease-dangling", "frame-turned", "hole", "sheet-overlaps".
+    "border-unmarked", "border-inside", "folded-form-differs", "face-orders-unknown"; and, as no
+    repairs, "crease-dangling", "frame-turned", "hole", "sheet-overlaps".
     """
     options = ReadOptions() if options is None else options
     file = Path(path)
@@ -111,6 +113,7 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
     faces = frame_faces(file, rows, count) if rows else None
     lines, merged, found = _lines(file, flat, coords, faces)
     findings += found
+    given: Faces | None = None
     none_given = "" if flat.get("edges_foldAngle") else "edges_foldAngle is missing"
     if faces is None:
         drawn = DrawnLines(coords[lines.pairs], lines, lines.pairs)
@@ -157,6 +160,8 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
         for frame, shape in zip(forms, shapes, strict=True)
         if shape is not None and frame is not frames.folded
     ]
+    orders, found = _face_orders(frames, coords, faces, given)
+    findings += found
     require_no_repairs(file, findings, options)
     return PatternFile(
         frames.title,
@@ -166,7 +171,24 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
         frames.patterns,
         scale,
         made.origin,
+        orders,
     )
+
+
+def _face_orders(
+    frames: Frames,
+    coords: FloatArray,
+    faces: tuple[IntArray, IntArray] | None,
+    given: Faces | None,
+) -> tuple[IntArray, list[Finding]]:
+    """Rows of faceOrders of the folded form, or of the sheet, by the faces of the pattern."""
+    rows = [frame.get("faceOrders") for frame in (frames.folded, frames.flat) if frame is not None]
+    rows = [each for each in rows if each]
+    if not rows or faces is None or given is None:
+        return np.empty((0, 3), np.int64), []
+    corners, offsets = faces
+    turned = ring_areas(coords[corners], offsets) < 0
+    return read_face_orders(rows[0], len(offsets) - 1, given.number, turned[given.number])
 
 
 def _diagonal(coords: FloatArray) -> float:

@@ -15,21 +15,27 @@ from fab.formats.pattern_file import State
 from fab.pattern.crease_pattern import CreasePattern, fold_angles_deg
 from fab.pattern.meeting_rims import meeting_rims
 from solver.errors import InvalidState, InvalidValue
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["fold_bytes"]
 
 
-def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ()) -> bytes:
+def fold_bytes(
+    pattern: CreasePattern,
+    title: str,
+    states: Sequence[State] = (),
+    orders: IntArray | None = None,
+) -> bytes:
     """The FOLD file: the crease pattern as key frame, then the folded form and other states.
 
     states : titles and points (nv, 3), mm, each with the fold angles that it has (cuts have none).
         Raises `InvalidValue` for points that do not fit, or faces without area.
+    orders : rows of faceOrders of the folded form, shape (n, 3), of all faces that overlap; where
+        left out, those that `face_orders` knows.
 
     Coordinates are written with all digits, so that reading gives the same arrays back. A folded
-    form in a plane has `faceOrders`, for the pairs whose order `face_orders` knows. Where rims of
-    several sheets meet, vertices that are glued together have the same number in
-    `quadfold:vertices_seam`; others have 0.
+    form in a plane has `faceOrders`. Where rims of several sheets meet, vertices that are glued
+    together have the same number in `quadfold:vertices_seam`; others have 0.
     """
     flat = np.column_stack([pattern.vertices_coords, np.zeros(len(pattern.vertices_coords))])
     corners = pattern.faces_vertices.tolist()
@@ -55,7 +61,7 @@ def fold_bytes(pattern: CreasePattern, title: str, states: Sequence[State] = ())
     frames = []
     if pattern.folded_coords is not None:
         frame = _folded_frame("folded form", pattern.folded_coords)
-        orders = face_orders(pattern)
+        orders = face_orders(pattern) if orders is None else orders
         frames.append({**frame, "faceOrders": orders.tolist()} if len(orders) else frame)
     for name, coords in states:
         _require_points(name, coords, len(flat))
