@@ -34,6 +34,36 @@ FOLDING = (
         "Nothing: the angles are the target. Remove the form from the file, or write it again.",
     ),
     Explanation(
+        "cannot-lie-flat",
+        (ERROR,),
+        "Folded flat, the sheet passes through itself in every order of its layers.",
+        "Creases of these letters force a face through a fold or between two that are joined. The "
+        "text names a few faces that already have no order, whatever the others do.",
+        "Change the letters of creases between those faces, or the lengths of flaps.",
+    ),
+    Explanation(
+        "layers-undecided",
+        (WARNING,),
+        "Whether the sheet can lie flat was not found out.",
+        "There are too many layers for the time, or the vertices are too inexact to say which "
+        "edges are on each other.",
+        "Write the file with more digits, or judge a part of the pattern.",
+    ),
+    Explanation(
+        "face-orders-contradict",
+        (WARNING,),
+        "The order of layers in the file (faceOrders) is none that a sheet can have.",
+        "It contradicts the letters of creases, or faces would pass through each other.",
+        "Nothing: another order is taken. Write the file again to have that in it.",
+    ),
+    Explanation(
+        "face-orders-unknown",
+        (WARNING,),
+        "The order of layers in the file (faceOrders) is not readable.",
+        "Rows must be two different faces of the file, and 1, -1 or 0.",
+        "Nothing: an order is found anew. Write the file again to have that in it.",
+    ),
+    Explanation(
         "nothing-to-fold",
         (WARNING,),
         "No crease has an angle: the sheet stays flat.",

@@ -24,6 +24,7 @@ from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
 from fab.progress import Progress, silent
+from fab.viewing.layered_scene import layered
 from fab.viewing.scene_builders import folding_scene
 from solver.vectors import IntArray
 
@@ -108,6 +109,7 @@ def simulate(
         folding, shown, rigid = fold.folding, fold.shown, motion.report() | fold.report(motion)
     progress("layers", 0, 1)
     layers = layer_orders(pattern, face_orders)
+    seen = layers if verdict.reached else None
     files: dict[str, bytes] = {}
     sheet = folding.frame.sheet.pattern
     if SimulationFormat.FOLD in formats:
@@ -125,11 +127,13 @@ def simulate(
         from fab.viewing.folding_picture import states_png_bytes
 
         progress("draw", 0, 1)
-        files[f"{stem}.png"] = states_png_bytes(folding_scene(shown, name, upright=upright))
+        files[f"{stem}.png"] = states_png_bytes(
+            layered(folding_scene(shown, name, upright=upright), seen)
+        )
     if SimulationFormat.GIF in formats:
         from fab.viewing.folding_picture import folding_gif_bytes
 
-        scene = folding_scene(shown, name, upright=upright)
+        scene = layered(folding_scene(shown, name, upright=upright), seen)
         files[f"{stem}.gif"] = folding_gif_bytes(scene, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
     angles = [] if differs else inspect_angles(sheet)
@@ -139,7 +143,7 @@ def simulate(
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
     if {SimulationFormat.GLB, SimulationFormat.HTML} & set(formats):
-        scene = folding_scene(shown, name, findings=every, upright=upright)
+        scene = layered(folding_scene(shown, name, findings=every, upright=upright), seen)
         files |= _scene_files(scene, stem, formats, report, files)
     progress("write", 1, 1)
     return with_report(files, FOLDING.report_name(name), report, every)

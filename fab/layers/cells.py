@@ -18,7 +18,7 @@ from solver.graphs import labels
 from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Cells", "cells_of"]
+__all__ = ["Cells", "cells_of", "members"]
 
 # Cells narrower than so many times the reach of points are none.
 _NARROW = 4.0
@@ -51,6 +51,20 @@ class Cells:
     edges_lines: IntArray
     edges_offsets: IntArray
     narrow: int
+
+    def faces(self, cell: int) -> IntArray:
+        """The faces of the sheet that cover a cell, rising."""
+        return members(self.masks[cell])
+
+
+def members(mask: int) -> IntArray:
+    """The numbers of the bits that are set.
+
+    >>> members(0b1001).tolist()
+    [0, 3]
+    """
+    data = np.frombuffer(mask.to_bytes(-(-mask.bit_length() // 8), "little"), np.uint8)
+    return np.flatnonzero(np.unpackbits(data, bitorder="little"))
 
 
 def cells_of(form: FlatForm) -> Cells:

@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.layers.cells import Cells
+from fab.layers.cells import Cells, members
 from fab.layers.flat_form import FlatForm
 from solver.graphs import EdgeIndex
 from solver.vectors import IntArray
 
-__all__ = ["Conditions", "conditions_of", "members", "overlapping", "triples"]
+__all__ = ["Conditions", "conditions_of", "overlapping", "triples"]
 
 
 @dataclass(frozen=True)
@@ -61,16 +61,6 @@ class Conditions:
         return sum(n * (n - 1) * (n - 2) // 6 for n in sizes)
 
 
-def members(mask: int, count: int) -> IntArray:
-    """The numbers below `count` of the bits that are set.
-
-    >>> members(0b1001, 4).tolist()
-    [0, 3]
-    """
-    data = np.frombuffer(mask.to_bytes(-(-count // 8), "little"), np.uint8)
-    return np.flatnonzero(np.unpackbits(data, bitorder="little", count=count))
-
-
 def triples(stack: IntArray) -> IntArray:
     """All triples of a stack, rising, shape (n, 3)."""
     size = len(stack)
@@ -85,7 +75,7 @@ def conditions_of(form: FlatForm, cells: Cells) -> Conditions:
     """The conditions of a folded form."""
     region_masks = _region_masks(form, cells)
     count = form.region_count
-    stacks = _stacks(region_masks, cells, count)
+    stacks = _stacks(region_masks, cells)
     pairs = _pairs(stacks, count)
     index = EdgeIndex.of(pairs, count)
     folds, crossings, through = _at_edges(form, cells, region_masks)
@@ -118,7 +108,7 @@ def conditions_of(form: FlatForm, cells: Cells) -> Conditions:
 def overlapping(form: FlatForm, cells: Cells) -> IntArray:
     """Pairs of faces that overlap, lower number first, shape (n, 2); none within one region."""
     count = form.sheet.face_count
-    pairs = _pairs(_stacks(cells.masks, cells, count), count)
+    pairs = _pairs(_stacks(cells.masks, cells), count)
     region = form.faces_region[pairs]
     apart: IntArray = pairs[region[:, 0] != region[:, 1]]
     return apart
@@ -134,14 +124,14 @@ def _region_masks(form: FlatForm, cells: Cells) -> list[int]:
     for mask in cells.masks:
         if mask not in seen:
             regions = 0
-            for region in np.unique(form.faces_region[members(mask, faces)]).tolist():
+            for region in np.unique(form.faces_region[members(mask)]).tolist():
                 regions |= 1 << region
             seen[mask] = regions
         out.append(seen[mask])
     return out
 
 
-def _stacks(masks: list[int], cells: Cells, count: int) -> tuple[IntArray, ...]:
+def _stacks(masks: list[int], cells: Cells) -> tuple[IntArray, ...]:
     """Sets of regions over real cells that are not part of the set over a cell beside them."""
     real = [mask if good else 0 for mask, good in zip(masks, cells.real.tolist(), strict=True)]
     part = {0}
@@ -154,7 +144,7 @@ def _stacks(masks: list[int], cells: Cells, count: int) -> tuple[IntArray, ...]:
             elif common == second:
                 part.add(second)
     distinct = [mask for mask in dict.fromkeys(real) if mask not in part]
-    return tuple(members(mask, count) for mask in distinct if mask & (mask - 1))
+    return tuple(members(mask) for mask in distinct if mask & (mask - 1))
 
 
 def _pairs(stacks: tuple[IntArray, ...], count: int) -> IntArray:
@@ -181,7 +171,7 @@ def _at_edges(
     edges_faces = sheet.edges_faces.tolist()
     folded = form.edges_folded.tolist()
     joined = (sheet.edges_joining & ~form.edges_folded).tolist()
-    regions, count = region.tolist(), form.region_count
+    regions = region.tolist()
     sides, real = cells.edges_cells.tolist(), cells.real.tolist()
     lines, bounds = cells.edges_lines.tolist(), cells.edges_offsets.tolist()
     crossings, through = [], []
@@ -212,7 +202,7 @@ def _at_edges(
                 continue
             seen.add(key)
             pairs = np.array(key[0], np.int64)
-            over = members(across, count)
+            over = members(across)
             if len(over):
                 row, column = np.divmod(np.arange(len(pairs) * len(over)), len(over))
                 through.append(np.column_stack([pairs[row], over[column]]))

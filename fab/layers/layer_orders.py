@@ -14,12 +14,13 @@ from fab.errors import counted, first_few
 from fab.layers.cells import Cells, cells_of
 from fab.layers.conditions import Conditions, conditions_of, overlapping
 from fab.layers.flat_form import FlatForm, flat_form
+from fab.layers.heights import corner_heights
 from fab.layers.satisfaction import Clock
 from fab.layers.solution import solved
 from fab.layers.unordered_faces import unordered_regions
 from fab.pattern.crease_pattern import CreasePattern
 from solver.errors import InvalidState
-from solver.vectors import IntArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["FoldsFlat", "LayerOrders", "layer_orders", "named"]
 
@@ -50,6 +51,9 @@ class LayerOrders:
     orders : rows [f, g, s] of FOLD's faceOrders of one order, shape (n, 3), for all pairs of faces
         that overlap: s is 1 where f is on the side of g to which the upper side of g looks, -1
         where it is on the other. None are known where there is no order.
+    heights : of each corner of each face, as `faces_vertices` has them, in layers: faces in this
+        order are apart. Upwards is where faces look that are not turned. None without an order.
+    faces_turned : faces that look down, shape (nf,).
     states : number of orders, or a lower bound; 0 where there is none, None where not decided.
     states_exact : whether it is the number.
     parts : number of orders of each part that is independent of the others, where it has several.
@@ -63,6 +67,8 @@ class LayerOrders:
 
     folds_flat: FoldsFlat
     orders: IntArray = field(default_factory=lambda: _NO_ROWS)
+    heights: FloatArray | None = None
+    faces_turned: BoolArray = field(default_factory=lambda: np.empty(0, np.bool_))
     states: int | None = None
     states_exact: bool = False
     parts: tuple[int, ...] = ()
@@ -180,7 +186,12 @@ def _answered(
     found = solved(conditions, clock)
     pairs = overlapping(form, cells)
     size = len(conditions.equal) + len(conditions.clauses) + conditions.triple_count
-    answer = LayerOrders(FoldsFlat.UNDECIDED, overlaps=len(pairs), conditions=size)
+    answer = LayerOrders(
+        FoldsFlat.UNDECIDED,
+        faces_turned=form.faces_turned,
+        overlaps=len(pairs),
+        conditions=size,
+    )
     if found.exists is None:
         reason = f"{size} conditions on layers were not solved within {seconds:g} s"
         return replace(answer, reason=reason)
@@ -192,6 +203,7 @@ def _answered(
         answer,
         folds_flat=FoldsFlat.YES,
         orders=_face_orders(form, conditions, found.values, pairs),
+        heights=corner_heights(form, cells, conditions, found.values),
         states=prod(each.number for each in found.counts),
         states_exact=all(each.exact for each in found.counts),
         parts=tuple(each.number for each in found.counts),
@@ -204,7 +216,8 @@ def _answered(
     again = solved(conditions, clock, true, count=False)
     if again.values is not None:
         orders = _face_orders(form, conditions, again.values, pairs)
-        return replace(answer, orders=orders, given=True)
+        heights = corner_heights(form, cells, conditions, again.values)
+        return replace(answer, orders=orders, heights=heights, given=True)
     return replace(answer, given=False, given_faces=_unordered(form, conditions, clock, true))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -95,14 +96,19 @@ def _size(scene: Scene, state: int) -> str:
     """The size of a state, that of the flat sheet as it lies."""
     if scene.shares[state] == 0:
         return size_text("flat", scene.pattern.vertices_coords)
-    return size_text("", scene.states_coords[state]).strip()
+    coords = scene.states_coords[state]
+    if scene.lift_mm is not None and state == scene.state_count - 1:
+        coords = coords - scene.lift_mm
+    return size_text("", coords).strip()
 
 
 def _shapes(scene: Scene, triangles: Triangles, state: int) -> Shapes:
     coords = scene.states_coords[state]
     if scene.values is None:
-        return sheet_shapes(coords, triangles)
-    return valued_shapes(coords, triangles, scene.values, state)
+        shapes = sheet_shapes(coords, triangles)
+    else:
+        shapes = valued_shapes(coords, triangles, scene.values, state)
+    return replace(shapes, layered=scene.lift_mm is not None and state == scene.state_count - 1)
 
 
 def _sampled(count: int, most: int) -> list[int]:

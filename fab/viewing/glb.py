@@ -68,7 +68,10 @@ def sheet_glb_bytes(scene: Scene) -> bytes:
     triangles, _ = face_corner_triangles(pattern)
     normals = np.stack([_corner_normals(pattern, coords) for coords in states])
     diagonal_mm = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
-    apart = _APART_REL * _METRES_PER_MM * diagonal_mm
+    apart_mm = _APART_REL * diagonal_mm
+    if scene.layer_mm:  # no side reaches the next layer
+        apart_mm = min(apart_mm, scene.layer_mm / 3)
+    apart = _METRES_PER_MM * apart_mm
     sides = (("upper side", _UPPER, 1.0, 0.0), ("lower side", _LOWER, -1.0, apart))
     primitives = []
     for name, colour, sign, under in sides:

@@ -42,6 +42,7 @@ class Shapes:
     behind_mm : all of them yield to others that are up to so far behind them.
     darkest : how bright colours are without light, over what they are in it.
     closed : whether they are around solids, so that their backs are not seen.
+    layered : whether those that would be on each other are apart already.
     """
 
     corners: FloatArray
@@ -51,6 +52,7 @@ class Shapes:
     behind_mm: float = 0.0
     darkest: float = 0.58
     closed: bool = False
+    layered: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,8 @@ def painting(camera: Camera, shapes: Sequence[Shapes]) -> Painting:
         corners[..., 2] -= each.behind_mm * fine.pixels_per_mm
         # of faces that are on each other, as when folded flat, the first one is seen all over
         own = each.groups[kept]
-        corners[..., 2] -= (own * (_LAYERS_PIXELS / max(1, int(own.max(initial=1)))))[:, None]
+        layers = 0.0 if each.layered else _LAYERS_PIXELS
+        corners[..., 2] -= (own * (layers / max(1, int(own.max(initial=1)))))[:, None]
         front = normals[:, 2:] >= 0
         normals = np.where(front, normals, -normals)
         light = each.darkest + (1 - each.darkest) * np.clip(normals @ _LIGHT, 0, 1)

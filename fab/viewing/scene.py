@@ -119,6 +119,9 @@ class Scene:
     surface : that the sheet follows.
     findings : with the numbers of panels and creases in `pattern`; `marks` says where they are.
     bodies : panels and hinges.
+    lift_mm : shape (nv, 3), by how much vertices of the last state are moved so that layers of a
+        sheet that is folded flat are apart (`fab.viewing.layered_scene`); None where they are not.
+    layer_mm : how far one layer is from the next there.
 
     Raises `InvalidValue` where shapes do not fit one another.
     """
@@ -132,6 +135,8 @@ class Scene:
     surface: Surface | None = None
     findings: tuple[Finding, ...] = field(default=())
     bodies: SceneBodies | None = None
+    lift_mm: FloatArray | None = None
+    layer_mm: float = 0.0
 
     def __post_init__(self) -> None:
         states, vertices = len(self.shares), len(self.pattern.vertices_coords)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from flat_patterns import grid, pattern_of
+from folded_strips import strip
 from helpers import PATTERNS, TEMPLATES, made_template
 from PIL import Image
 
@@ -288,3 +289,45 @@ def test_pictures_alone_need_no_other_files():
     made = simulate(pattern, "box", FoldSettings(steps=2), formats=[SimulationFormat.PNG])
     assert set(made.files) == {"box_folding.png", "box_folding.json"}
     assert Image.open(io.BytesIO(made.files["box_folding.png"])).format == "PNG"
+
+
+def test_a_sheet_that_cannot_lie_flat_is_not_said_to_fold(tmp_path):
+    impossible = strip([30, 10, 30], "VV")
+    made = simulate(impossible, "flaps", formats=[SimulationFormat.FOLD])
+    assert not made.within_tolerance
+    assert made.report["layers"]["folds_flat"] == "no"
+    assert made.report["layers"]["faces"] == [0, 1, 2]
+    (finding,) = (each for each in made.findings if each.code == "cannot-lie-flat")
+    assert (finding.severity, finding.panels) == ("error", (0, 1, 2))
+    path = tmp_path / "flaps.fold"
+    path.write_bytes(made.files["flaps_folding.fold"])
+    for command in (["simulate", path, "--only", "fold", "--out", tmp_path], ["check", path]):
+        done = run(*command)
+        assert done.exit_code == 1
+        assert "folds flat: no, because of faces 0, 1 and 2" in done.output
+        assert "folds to its target" not in done.output
+
+
+def test_a_sheet_that_lies_flat_has_the_orders_of_all_its_faces(tmp_path):
+    made = simulate(strip([10, 10, 10, 10], "VMV"), "pleats", formats=[SimulationFormat.FOLD])
+    layers = made.report["layers"]
+    assert (layers["folds_flat"], layers["states"], layers["overlaps"]) == ("yes", 1, 6)
+    form = json.loads(made.files["pleats_folding.fold"])["file_frames"][0]
+    assert len(form["faceOrders"]) == 6
+    path = tmp_path / "pleats.fold"
+    path.write_bytes(made.files["pleats_folding.fold"])
+    done = run("check", path)
+    assert done.exit_code == 0, done.output
+    assert "folds flat: yes, its layers have 1 order\n" in done.output
+    assert (
+        simulate(
+            strip(
+                [10, 10],
+                "V",
+            ),
+            "half",
+            formats=[],
+        ).report["layers"]["states"]
+        == 1
+    )
+    assert simulate(grid(2, 1, 10.0), "corner", formats=[]).report["layers"] is None

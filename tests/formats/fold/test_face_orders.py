@@ -36,9 +36,7 @@ def test_orders_of_all_faces_that_overlap_are_written_and_read(tmp_path):
 def test_a_file_with_a_few_orders_gets_them_all_and_keeps_its_own(tmp_path):
     pattern = strip([2, 2, 2], "UU")
     pattern = replace(pattern, edges_foldAngle=np.where(pattern.edges_assignment == "U", 180.0, 0))
-    pattern = replace(
-        pattern, edges_assignment=np.where(pattern.edges_assignment == "U", "V", "B")
-    )
+    pattern = replace(pattern, edges_assignment=np.where(pattern.edges_assignment == "U", "V", "B"))
     for side in (1, -1):
         path = folded_file(tmp_path, pattern, np.array([[0, 2, side]]))
         made = convert(read_fold(path), tmp_path / "out.fold")
@@ -75,8 +73,10 @@ def test_orders_of_faces_without_area_go_with_them(tmp_path):
 
 @pytest.mark.parametrize(
     "rows",
-    [[[0, 1]], [[0, 1, 2]], [[0, 7, 1]], [[-1, 0, 1]], [[0, 0, 1]], [[0, 1, 1.5]], [["a", 1, 1]]]
-    + [[[0, 1, 1], [0]], 5, {"a": 1}],
+    [
+        *([[0, 1]], [[0, 1, 2]], [[0, 7, 1]], [[-1, 0, 1]], [[0, 0, 1]], [[0, 1, 1.5]]),
+        *([["a", 1, 1]], [[0, 1, 1], [0]], 5, {"a": 1}),
+    ],
 )
 def test_rows_that_are_no_orders_are_left_out_and_reported(tmp_path, rows):
     def change(document):
