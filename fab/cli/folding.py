@@ -277,7 +277,12 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
         yield layers["text"]
     far = verdict["rmsd_rel"]
     reached = "folds to its target" if verdict["reached"] else "does not reach its target"
-    if verdict["reached"] and layers is not None and layers["folds_flat"] == "no":
+    if (
+        verdict["reached"]
+        and layers is not None
+        and layers["folds_flat"] == "no"
+        and not layers["assumed"]
+    ):
         reached = "cannot lie flat, though its angles are reached"
     yield (
         f"{reached}: "

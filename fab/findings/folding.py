@@ -35,10 +35,11 @@ FOLDING = (
     ),
     Explanation(
         "cannot-lie-flat",
-        (ERROR,),
+        (WARNING, ERROR),
         "Folded flat, the sheet passes through itself in every order of its layers.",
         "Creases of these letters force a face through a fold or between two that are joined. The "
-        "text names a few faces that already have no order, whatever the others do.",
+        "text names a few faces that already have no order, whatever the others do. "
+        "It is a warning where creases of unknown angle are taken to be folded.",
         "Change the letters of creases between those faces, or the lengths of flaps.",
     ),
     Explanation(

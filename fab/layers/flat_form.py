@@ -39,6 +39,7 @@ class FlatForm:
     edges_folded : shape (ne,), creases that fold by 180 degrees.
     edges_sign : shape (ne,), 1 for valleys, -1 for mountains, 0 where either may be, or no fold.
     edges_source : shape (ne,), numbers in the pattern before its cuts were opened.
+    assumed : number of creases of unknown angle, which are folded as well.
     gap_mm : largest distance of a vertex from where one of its faces has it.
     reach_mm : points that are nearer to each other than this are one.
     """
@@ -50,6 +51,7 @@ class FlatForm:
     edges_folded: BoolArray
     edges_sign: IntArray
     edges_source: IntArray
+    assumed: int
     gap_mm: float
     reach_mm: float
 
@@ -101,6 +103,7 @@ def flat_form(pattern: CreasePattern) -> FlatForm | None:
         folded,
         np.where(folded & ~free, sign, 0),
         open_sheet.edges_source,
+        int(free.sum()),
         kinematics.gap_mm,
         max(_REACH_REL * size, _REACH_GAPS * kinematics.gap_mm),
     )

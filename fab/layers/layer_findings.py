@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fab.errors import Finding, Severity, first_few
+from fab.errors import Finding, Severity, counted, first_few
 from fab.layers.layer_orders import FoldsFlat, LayerOrders, named
 
 __all__ = ["inspect_layers"]
@@ -42,4 +42,11 @@ def _no_order(layers: LayerOrders) -> Finding:
     text = (
         f"the sheet cannot lie flat: in every order of its layers it passes through itself{because}"
     )
-    return Finding("cannot-lie-flat", Severity.ERROR, text, panels=first_few(layers.faces))
+    severity = Severity.ERROR
+    if layers.assumed:
+        severity = Severity.WARNING
+        text += (
+            f" This is with {counted(layers.assumed, 'crease')} of unknown angle folded by 180 "
+            "degrees, to either side."
+        )
+    return Finding("cannot-lie-flat", severity, text, panels=first_few(layers.faces))

@@ -60,6 +60,7 @@ class LayerOrders:
     faces : faces that have no order, whatever the rest of the sheet does, none of which can be left
         out.
     reason : why it was not decided.
+    assumed : number of creases of unknown angle, taken to be folded by 180 degrees.
     overlaps, conditions : number of pairs of faces that overlap, and of conditions on their order.
     given : whether `orders` has the orders that were given; None where none were.
     given_faces : faces of which the given orders contradict each other or the letters.
@@ -74,6 +75,7 @@ class LayerOrders:
     parts: tuple[int, ...] = ()
     faces: tuple[int, ...] = ()
     reason: str = ""
+    assumed: int = 0
     overlaps: int = 0
     conditions: int = 0
     given: bool | None = None
@@ -107,6 +109,7 @@ class LayerOrders:
             "faces": list(first_few(self.faces)),
             "faces_count": len(self.faces),
             "reason": self.reason,
+            "assumed": self.assumed,
             "overlaps": self.overlaps,
             "conditions": self.conditions,
             "face_orders_of_file": self.given,
@@ -189,6 +192,7 @@ def _answered(
     answer = LayerOrders(
         FoldsFlat.UNDECIDED,
         faces_turned=form.faces_turned,
+        assumed=form.assumed,
         overlaps=len(pairs),
         conditions=size,
     )

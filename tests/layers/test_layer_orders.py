@@ -136,6 +136,12 @@ def test_flaps_that_both_cover_the_other_crease_cannot_lie_flat():
     )
     assert "faces 0, 1 and 2 alone" in finding.text
     assert found.text() == "folds flat: no, because of faces 0, 1 and 2"
+    # creases without letters may fold or not: no error
+    free = layer_orders(strip([3, 1, 3, 1], "VVU"))
+    assert (free.folds_flat, free.assumed) == (FoldsFlat.NO, 1)
+    (finding,) = inspect_layers(free)
+    assert finding.severity == "warning"
+    assert "1 crease of unknown angle" in finding.text
     # a part of a longer strip, and no other face, is to blame
     longer = layer_orders(strip([2, 2, 2, 2, 3, 1, 3, 2], "MVMVVVM"))
     assert set(longer.faces) <= {3, 4, 5, 6}
