@@ -8,18 +8,18 @@ from contextlib import contextmanager
 
 __all__ = ["Clock", "Progress", "Steps", "no_steps", "silent"]
 
-# Called with the stage, the steps done and all steps of the stage.
-Progress = Callable[[str, int, int], None]
+# Called with the stage, the steps done and all steps of the stage; a step may be done in part.
+Progress = Callable[[str, float, int], None]
 # The same within one stage.
-Steps = Callable[[int, int], None]
+Steps = Callable[[float, int], None]
 
 
-def silent(stage: str, done: int, total: int) -> None:
+def silent(stage: str, done: float, total: int) -> None:
     """Progress that nobody watches."""
     del stage, done, total
 
 
-def no_steps(done: int, total: int) -> None:
+def no_steps(done: float, total: int) -> None:
     """Steps that nobody watches."""
     del done, total
 

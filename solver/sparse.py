@@ -17,6 +17,8 @@ or is not exact enough, SuperLU (`scipy.sparse.linalg.splu`) takes its place.
 from __future__ import annotations
 
 import warnings
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
@@ -37,6 +39,9 @@ __all__ = ["Factors", "Solution", "SymmetricSystem", "Triangle"]
 _GOOD = 1e-10
 _ROUNDING = 4e-16
 _REFINEMENTS = 2
+# Matrices of so many entries take over half a second: the interrupt of a user is seen so often.
+_LONG = 1_000_000
+_POLL_S = 0.2
 
 
 @dataclass(frozen=True)
@@ -215,11 +220,27 @@ class SymmetricSystem:
         if self._analysis is None or not np.isfinite(data).all():
             return Factors(lower, None, None)
         try:
-            factors = self._analysis.factor(data)
+            factors = self._factor(self._analysis, data)
         except RuntimeError:  # a pivot is zero
             return Factors(lower, None, None)
         positive, negative, zero = factors.inertia
         return Factors(lower, (positive, negative, zero), factors)
+
+    def _factor(self, analysis: rslab.LdltSymbolic, data: FloatArray) -> rslab.Ldlt:
+        """Factors of rslab; those that take seconds give way to an interrupt."""
+        if len(data) < _LONG:
+            return analysis.factor(data)
+        import rslab
+
+        stop = rslab.Interrupt()
+        with ThreadPoolExecutor(1) as thread:
+            made = thread.submit(analysis.factor, data, interrupt=stop)
+            try:
+                while True:
+                    with suppress(TimeoutError):
+                        return made.result(_POLL_S)
+            finally:
+                stop.cancel()
 
     @cached_property
     def _analysis(self) -> rslab.LdltSymbolic | None:

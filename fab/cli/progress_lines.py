@@ -32,7 +32,7 @@ def progress_of(interrupts: Interrupts, *, lines: bool = True) -> Iterator[Progr
 
 
 def _checked(interrupts: Interrupts, show: Progress) -> Progress:
-    def checked(stage: str, done: int, total: int) -> None:
+    def checked(stage: str, done: float, total: int) -> None:
         interrupts.check()
         show(stage, done, total)
 
@@ -56,7 +56,7 @@ class StageLines:
         self._line, self._now = line, now
         self._stage, self._began, self._said = "", 0.0, True
 
-    def __call__(self, stage: str, done: int, total: int) -> None:
+    def __call__(self, stage: str, done: float, total: int) -> None:
         if stage != self._stage:
             self.end()
             self._stage, self._began, self._said = stage, self._now(), False
@@ -68,7 +68,7 @@ class StageLines:
             return
         self._said = True
         left = f", about {_seconds(taken * (total - done) / done)} left" if done else ""
-        self._line(f"{stage}: {done} of {total} after {_seconds(taken)}{left}")
+        self._line(f"{stage}: {int(done)} of {total} after {_seconds(taken)}{left}")
 
     def end(self) -> None:
         """The stage is over."""
@@ -106,7 +106,7 @@ def _bar() -> Iterator[Progress]:
         task = bar.add_task("", total=1)
         shown = ""
 
-        def show(stage: str, done: int, total: int) -> None:
+        def show(stage: str, done: float, total: int) -> None:
             nonlocal shown
             if stage != shown:  # so that the time left is that of the stage
                 bar.reset(task)

@@ -11,12 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from fab.folding.bar_hinge_model import Framework, hinge_forces
 from fab.folding.quasi_static import Folding, flat_state, state_of
 from fab.progress import Steps, no_steps
 from solver.errors import InvalidValue, require_count, require_finite
-from solver.vectors import FloatArray, cross, dot, norm, scattered
+from solver.vectors import FloatArray, cross, dot, norm
 
 __all__ = ["DynamicSettings", "Motion", "fold_dynamically", "integrate"]
 
@@ -123,7 +124,10 @@ def integrate(
     viscosity = 2 * settings.damping * np.sqrt(frame.bars_stiffness)
     rest = _corner_angles(frame, frame.vertices_coords)[0]
     start, end = frame.bars_vertices.T
-    count = len(coords)
+    ends = np.concatenate([start, end, frame.triangles_vertices.ravel()])
+    gathered = csr_array(
+        (np.ones(len(ends)), (ends, np.arange(len(ends)))), shape=(len(coords), len(ends))
+    )
     done = 0
     with np.errstate(all="ignore"):
         while done < settings.steps:
@@ -133,13 +137,13 @@ def integrate(
             tension = frame.bars_stiffness * (length - frame.bars_length) / length
             pull = tension[:, None] * side
             pull += viscosity[:, None] * (velocity[end] - velocity[start])
-            force += scattered(start, pull, count) - scattered(end, pull, count)
             angles, gradients = _corner_angles(frame, coords)
+            back = -settings.face * (angles - rest)
+            corners = np.zeros((*angles.shape, 3))
             for k in range(3):
                 for corner, gradient in enumerate(gradients[k]):
-                    vertex = frame.triangles_vertices[:, (k + corner) % 3]
-                    back = -settings.face * (angles[:, k] - rest[:, k])[:, None] * gradient
-                    force += scattered(vertex, back, count)
+                    corners[:, (k + corner) % 3] += back[:, k, None] * gradient
+            force += gathered @ np.concatenate([pull, -pull, corners.reshape(-1, 3)])
             velocity = velocity + step * force
             coords = coords + step * velocity
             done += 1

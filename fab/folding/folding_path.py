@@ -17,7 +17,7 @@ from scipy.sparse import coo_array, csc_array
 from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.damped import damped
+from fab.folding.damped import DampedSystems
 from fab.folding.quasi_static import largest_turns, path_at
 from fab.pattern.kinematics import next_around
 from fab.progress import Steps, no_steps
@@ -60,10 +60,11 @@ def closing_path(frame: Framework, progress: Steps = no_steps) -> FoldingPath:
     """
     closure = hinges_around(frame)
     path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    systems = DampedSystems()
     weights = [weight for weight in _WEIGHTS for _ in range(_STEPS)]
     for number, weight in enumerate(weights):
         progress(number, len(weights))
-        path = _improved(closure, _resampled(path), weight)
+        path = _improved(closure, _resampled(path), weight, systems)
     progress(len(weights), len(weights))
     return FoldingPath(_resampled(path), len(weights))
 
@@ -78,14 +79,16 @@ def _resampled(path: FloatArray) -> FloatArray:
     return np.stack([path[0], *inner, path[-1]])
 
 
-def _improved(closure: Closure, path: FloatArray, weight: float) -> FloatArray:
+def _improved(
+    closure: Closure, path: FloatArray, weight: float, systems: DampedSystems
+) -> FloatArray:
     """One damped Gauss-Newton step to a path that is shorter and closes better, times `weight`."""
     residual = _residual(closure, path, weight)
     jacobian = _jacobian(closure, path, weight)
     matrix, slope = (jacobian.T @ jacobian).tocsc(), jacobian.T @ residual
     damping = _LEAST_DAMPING
     while damping < _MOST_DAMPING:
-        step = damped(matrix, damping).solve(-slope).reshape(-1, path.shape[1])
+        step = systems.factorised(matrix, damping)(-slope).reshape(-1, path.shape[1])
         stepped = np.concatenate([path[:1], path[1:-1] + step, path[-1:]])
         after = _residual(closure, stepped, weight)
         if after @ after < residual @ residual:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array
 
-from fab.folding.damped import damped
+from fab.folding.damped import DampedSystems
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = ["Freedom", "freedom_of"]
@@ -71,10 +71,10 @@ def _smallest(jacobian: csc_array, few: int) -> tuple[FloatArray, FloatArray]:
     """The smallest singular values, shape (few,), and their directions, (k, few)."""
     # inverse iteration on the normal equations; the values are those of the matrix itself, so that
     # their squares may be less than rounding
-    factors = damped((jacobian.T @ jacobian).tocsc(), _DAMPING)
+    solve = DampedSystems().factorised((jacobian.T @ jacobian).tocsc(), _DAMPING)
     basis = np.random.default_rng(0).standard_normal((jacobian.shape[1], few))
     for _ in range(_ROUNDS):
-        basis, _ = np.linalg.qr(factors.solve(basis))
+        basis, _ = np.linalg.qr(solve(basis))
     _, values, turn = np.linalg.svd(jacobian @ basis, full_matrices=False)
     return np.asarray(values), np.asarray(basis @ turn.T)
 

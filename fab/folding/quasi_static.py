@@ -39,6 +39,8 @@ __all__ = [
 # Hinges turn by no more from load to load.
 _FARTHEST_RAD = np.radians(20.0)
 
+# Systems that a load takes at first guess.
+_USUAL = 3.0
 # A predicted sheet is brought to its fixed vertices; the others decide where these leave it free.
 _LOOSE = 1e-6
 
@@ -107,8 +109,8 @@ def fold(
     path : shape (n, nh), radians, stations from 0 to the targets through which the hinge angles are
         driven; the straight line where left out. Loads are even over the length of the path
         (`largest_turns`).
-    progress : called with (loads done, loads in all), also on the way to each load; an exception
-        that it raises ends the fold.
+    progress : called with (loads done, loads in all), also on the way to each load, of which a part
+        is then done; an exception that it raises ends the fold.
     potentials : what acts on the sheet at every load, besides its bars and hinges.
     fixed : vertices that stay where they are in the flat sheet, shape (nv,); none where left out.
 
@@ -127,6 +129,7 @@ def fold(
     states = [state]
     angles = np.zeros_like(frame.hinges_target)
     solved, rested, peak = 0, True, 0.0
+    usual = _USUAL
     for number in range(1, loads + 1):
         target, rate = path_at(path, number / loads)
         turned = predictor.coords(angles + rate / loads)
@@ -138,8 +141,9 @@ def fold(
             number == loads,
             potentials,
             system=system,
-            watch=partial(progress, number - 1, loads),
+            watch=partial(_report, progress, number, loads, usual),
         )
+        usual += (rest.iterations - usual) / number
         coords = rest.coords if held is not None else aligned(rest.coords, state.coords)
         solved, rested = solved + rest.iterations, rested and rest.settled
         state = state_of(
@@ -177,6 +181,11 @@ def path_at(path: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:
 def largest_turns(path: FloatArray) -> FloatArray:
     """The largest turn of any hinge from each station of a path to the next, shape (n - 1,)."""
     return np.asarray(np.abs(np.diff(path, axis=0)).max(axis=1, initial=0.0))
+
+
+def _report(progress: Steps, number: int, loads: int, usual: float, solved: int) -> None:
+    """Report how far a load has come, which takes about as many systems as those before it."""
+    progress(number - 1 + solved / max(usual, solved + 1), loads)
 
 
 def _predicted(

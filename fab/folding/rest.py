@@ -58,6 +58,11 @@ class Rest:
     settled: bool
 
 
+def _unwatched(solved: int) -> None:
+    """A fold that nobody watches."""
+    del solved
+
+
 def relaxed(
     frame: Framework,
     coords: FloatArray,
@@ -67,7 +72,7 @@ def relaxed(
     *,
     fixed: BoolArray | None = None,
     system: NewtonSystem | None = None,
-    watch: Callable[[], None] = lambda: None,
+    watch: Callable[[int], None] = _unwatched,
 ) -> Rest:
     """The local minimum of energy near to `coords`, shape (nv, 3).
 
@@ -78,7 +83,8 @@ def relaxed(
     potentials : what acts on the sheet besides its bars and hinges.
     fixed : vertices that do not move, shape (nv,); none where left out.
     system : that of the framework and its fixed vertices, where several loads share it.
-    watch : called before each system; an exception that it raises ends the fold.
+    watch : called before each system with the number of those that are solved; an exception that
+        it raises ends the fold.
     """
     system = system or NewtonSystem(frame, fixed)
     most = _MOST_AT_LAST if last else _MOST
@@ -87,7 +93,7 @@ def relaxed(
     damping = _FIRST_DAMPING
     here: Linearised | None = None
     for solved in range(1, most + 1):
-        watch()
+        watch(solved - 1)
         if here is None:
             here = system.linearised(coords, target, potentials)
         if not here.pulled and energy.total <= _ROUNDING_ENERGY * here.trace:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.damped import damped
+from fab.folding.damped import DampedSystems
 from fab.folding.folding_path import Closure, hinges_around
 from fab.folding.rigid_states import crease_jacobian
 from solver.vectors import FloatArray, IntArray
@@ -125,6 +125,7 @@ def closed(creases: RigidCreases, angles: FloatArray, held: int | None = None) -
     """
     best, least = angles, np.inf
     halved, bound = 0, np.inf
+    systems = DampedSystems()
     for number in range(_NEWTON_STEPS):
         missed, jacobian = creases.linearised(angles)
         worst = float(np.abs(missed).max(initial=0.0))
@@ -140,7 +141,7 @@ def closed(creases: RigidCreases, angles: FloatArray, held: int | None = None) -
             free = np.ones(len(angles))
             free[held] = 0.0
             jacobian = (jacobian * free).tocsc()
-        step = _shortest(jacobian, missed)
+        step = _shortest(jacobian, missed, systems)
         step *= min(1.0, 0.5 / max(float(np.abs(step).max(initial=0.0)), 1e-300))
         angles = angles - step
         if not np.isfinite(angles).all():
@@ -148,12 +149,15 @@ def closed(creases: RigidCreases, angles: FloatArray, held: int | None = None) -
     return best
 
 
-def _shortest(jacobian: csc_array, wanted: FloatArray) -> FloatArray:
+def _shortest(
+    jacobian: csc_array, wanted: FloatArray, systems: DampedSystems | None = None
+) -> FloatArray:
     """The shortest x with jacobian x = wanted, as near as that can be met."""
     if not jacobian.shape[0] or not jacobian.nnz:
         return np.zeros(jacobian.shape[1])
+    systems = systems or DampedSystems()
     normal = (jacobian @ jacobian.T).tocsc()
-    return np.asarray(jacobian.T @ damped(normal, _DAMPING).solve(wanted))
+    return np.asarray(jacobian.T @ systems.factorised(normal, _DAMPING)(wanted))
 
 
 def beginning(creases: RigidCreases) -> tuple[FloatArray | None, FloatArray]:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from fab.folding.bar_hinge_model import Framework
-from fab.folding.damped import damped
+from fab.folding.damped import DampedSystems
 from fab.folding.folding_path import Closure
 from fab.folding.rotation_predictor import RotationPredictor
 from solver.hinge_angles import hinge_angles
@@ -51,7 +51,7 @@ def rigid_coords_at(
     angles = begin.copy()
     if not len(closure.hinges):
         return predictor.coords(angles)
-    before = np.inf
+    before, systems = np.inf, DampedSystems()
     for _ in range(_STEPS):
         missed, slopes = closure.errors(angles[None])
         worst = float(np.abs(missed).max(initial=0.0))
@@ -60,7 +60,7 @@ def rigid_coords_at(
         before = worst
         jacobian = crease_jacobian(closure.hinges, slopes[0], column)
         normal = (jacobian @ jacobian.T).tocsc()
-        angles[creases] -= jacobian.T @ damped(normal, _DAMPING).solve(missed.ravel())
+        angles[creases] -= jacobian.T @ systems.factorised(normal, _DAMPING)(missed.ravel())
         if not np.abs(angles - begin).max() <= _FARTHEST_RAD:
             return None
     return None

@@ -170,7 +170,7 @@ def make_plates(
     joints, findings = make_joints(sheet, _cuts(pattern.edges_faces, inner, owner), settings.joints)
     whole, homes = jointed(sheet, joints, settings.joints, owner)
 
-    def placed(done: int, total: int) -> None:
+    def placed(done: float, total: int) -> None:
         progress(pattern.face_count + pattern.face_count * done // total, steps)
 
     turns = np.array([upright(extent(flat, faces), flat.room_mm)[0] for faces in sets])

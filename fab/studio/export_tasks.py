@@ -27,7 +27,7 @@ __all__ = ["Reports", "export"]
 class Reports(Protocol):
     """Takes stage, steps done, steps in the stage, and the seconds that are left."""
 
-    def __call__(self, stage: str, done: int, total: int, left: float | None = None) -> None: ...
+    def __call__(self, stage: str, done: float, total: int, left: float | None = None) -> None: ...
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ class TimeLeft:
         self._furthest = 0
         self._other, self._other_begin = "", 0.0
 
-    def __call__(self, stage: str, done: int, total: int) -> float | None:
+    def __call__(self, stage: str, done: float, total: int) -> float | None:
         """Seconds that are left when a stage has done some of its steps; None while unknown."""
         now, share = self._clock(), done / max(total, 1)
         if stage not in self._stages:

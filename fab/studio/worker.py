@@ -181,7 +181,7 @@ class _Reports:
         self._link = link
         self._stage, self._sent = "", 0.0
 
-    def __call__(self, stage: str, done: int, total: int, left: float | None = None) -> None:
+    def __call__(self, stage: str, done: float, total: int, left: float | None = None) -> None:
         now = time.monotonic()
         if stage != self._stage or now > self._sent + _REPORT_S:
             self._stage, self._sent = stage, now
