@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fab.cli.console import Interrupts, say, tell, tell_all, tell_left
 from fab.cli.progress_lines import progress_of
@@ -16,6 +16,9 @@ from fab.errors import Severity
 from fab.jobs.file_names import Family, left_over
 from fab.outputs import Made, require_folder, write
 from fab.progress import Progress
+
+if TYPE_CHECKING:
+    from fab.folding.checkpoints import FoldCheckpoints
 
 __all__ = ["FilesOf", "Told", "deliver", "write_made"]
 
@@ -50,21 +53,25 @@ def deliver(
     dry_run: bool,
     summary: Callable[[Mapping[str, Any]], Iterable[str]],
     told: Told = Told.LINES,
+    kept: FoldCheckpoints | None = None,
 ) -> None:
     """Make files with progress at the terminal, write and sum them up, and exit.
 
     summary : gives the lines that sum up a report.
     told : what is printed; a refusal is one line of the error stream, whatever it is.
+    kept : what keeps folds of the run that are cut short, until all files are written.
     """
     require_folder(out)
     in_lines = told in (Told.LINES, Told.ALL)
     with progress_of(interrupts, lines=in_lines) as progress:
-        made = make(progress)
+        made = _whole(make, progress, kept)
     interrupts.check()
     if in_lines:
         write_made(made, out, dry_run=dry_run)
     elif not dry_run:
         write(made, out)
+    if kept is not None:
+        kept.remove()
     if told is Told.JSON:
         say(json.dumps({"folder": None if dry_run else str(out), **made.report}, indent=2))
     if told is Told.ERRORS:
@@ -78,6 +85,17 @@ def deliver(
         tell_left(left_over(made.files, files.name, files.families, out))
         (tell_all if told is Told.ALL else tell)(made.findings)
     sys.exit(0 if made.within_tolerance else 1)
+
+
+def _whole(
+    make: Callable[[Progress], Made], progress: Progress, kept: FoldCheckpoints | None
+) -> Made:
+    try:
+        return make(progress)
+    except KeyboardInterrupt:
+        if kept is not None:
+            kept.cut_short()
+        raise
 
 
 def write_made(made: Made, folder: Path, *, dry_run: bool = False) -> None:

@@ -12,6 +12,7 @@ import click
 from fab.cli.console import answers
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import allowed_job
+from fab.cli.kept_folds import kept_fold
 from fab.cli.options import (
     ALLOW_CODE,
     FILE,
@@ -106,6 +107,8 @@ def simulate(
         name = plain_title(file.stem) if job is None else job.name
         settings = _settings(job, states)
 
+        kept = None if dry_run else kept_fold(out, name, told)
+
         def make(progress: Progress) -> Made:
             pattern, findings, upright, orders = _pattern(file, job, options, size, progress)
             return simulate(
@@ -120,10 +123,19 @@ def simulate(
                 fold_flat=fold_flat,
                 upright=upright,
                 face_orders=orders,
+                checkpoint=kept,
             )
 
-        files = FilesOf(name, [FOLDING])
-        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
+        deliver(
+            interrupts,
+            make,
+            out,
+            FilesOf(name, [FOLDING]),
+            dry_run=dry_run,
+            summary=_summary,
+            told=told,
+            kept=kept,
+        )
 
 
 @click.command()

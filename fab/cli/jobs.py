@@ -12,6 +12,7 @@ from fab.cli.completion import JobPath
 from fab.cli.console import answers, say, tell
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import STANDARD_INPUT, allowed_job
+from fab.cli.kept_folds import kept_fold
 from fab.cli.options import (
     ALLOW_CODE,
     DRY_RUN,
@@ -69,14 +70,17 @@ def run(
             say_window(pattern, loaded, loaded.print_with(loaded.folder), interrupts)
             tell(findings)
             return
+        folds = loaded.simulation is not None and not dry_run
+        kept = kept_fold(out, loaded.name, told) if folds else None
         deliver(
             interrupts,
-            lambda progress: make(loaded, formats, progress),
+            lambda progress: make(loaded, formats, progress, checkpoint=kept),
             out,
             FilesOf(loaded.name, FAMILIES),
             dry_run=dry_run,
             summary=summary,
             told=told,
+            kept=kept,
         )
 
 

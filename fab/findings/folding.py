@@ -103,6 +103,13 @@ FOLDING = (
         "which do).",
     ),
     Explanation(
+        "checkpoint-unusable",
+        (WARNING,),
+        "A file that keeps a fold which was cut short cannot be used, or not be written.",
+        "It is damaged or of another fold, or the folder takes no more files.",
+        "Nothing: the fold begins from flat. Free some space where none is left.",
+    ),
+    Explanation(
         "no-rigid-motion",
         (ERROR,),
         "There is no motion with flat faces to follow.",

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Protocol
 
 import numpy as np
 
@@ -26,8 +27,10 @@ from solver.errors import require_count
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = [
+    "Checkpoint",
     "FoldState",
     "Folding",
+    "Reached",
     "aligned",
     "flat_state",
     "fold",
@@ -90,6 +93,42 @@ class Folding:
         return sum(state.iterations for state in self.states)
 
 
+@dataclass(frozen=True)
+class Reached:
+    """How far a fold has come: all that the loads after it depend on.
+
+    Attributes
+    ----------
+    number : loads done. states : of the fold, so far.
+    state : under the last load. angles : of all hinges in it, radians, shape (nh,).
+    solved, rested, peak : systems, whether all loads came to rest, and largest strain, since the
+        last of `states`.
+    """
+
+    number: int
+    states: tuple[FoldState, ...]
+    state: FoldState
+    angles: FloatArray
+    solved: int
+    rested: bool
+    peak: float
+
+
+class Checkpoint(Protocol):
+    """What keeps a fold."""
+
+    def begin(
+        self, frame: Framework, path: FloatArray, loads: int, per_step: int
+    ) -> Reached | None:
+        """How far this fold came when it was cut short; None where it begins.
+
+        path : as of `fold`, in so many loads, of which each `per_step` are a step.
+        """
+
+    def keep(self, reached: Reached) -> None:
+        """Keep how far the fold has come."""
+
+
 def fold(
     frame: Framework,
     steps: int = 10,
@@ -98,6 +137,7 @@ def fold(
     potentials: Sequence[Potential] = (),
     *,
     fixed: BoolArray | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Folding:
     """Fold a framework from flat to its targets: the flat state and `steps` more, evenly over load.
 
@@ -113,6 +153,8 @@ def fold(
         is then done; an exception that it raises ends the fold.
     potentials : what acts on the sheet at every load, besides its bars and hinges.
     fixed : vertices that stay where they are in the flat sheet, shape (nv,); none where left out.
+    checkpoint : what keeps the fold after each load, and from which it goes on where it was cut
+        short (`fab.folding.checkpoints`); of folds without potentials and fixed vertices.
 
     Raises `InvalidValue` for less than one step.
     """
@@ -125,12 +167,15 @@ def fold(
     length = float(largest_turns(path).sum())
     per_step = max(1, int(np.ceil(length / (_FARTHEST_RAD * steps))))
     loads = per_step * steps
-    state = flat_state(frame, potentials)
-    states = [state]
-    angles = np.zeros_like(frame.hinges_target)
-    solved, rested, peak = 0, True, 0.0
+    keeper = None if potentials or held is not None else checkpoint
+    reached = keeper.begin(frame, path, loads, per_step) if keeper else None
+    if reached is None:
+        flat = flat_state(frame, potentials)
+        reached = Reached(0, (flat,), flat, np.zeros_like(frame.hinges_target), 0, True, 0.0)
+    states, state, angles = [*reached.states], reached.state, reached.angles
+    solved, rested, peak = reached.solved, reached.rested, reached.peak
     usual = _USUAL
-    for number in range(1, loads + 1):
+    for number in range(reached.number + 1, loads + 1):
         target, rate = path_at(path, number / loads)
         turned = predictor.coords(angles + rate / loads)
         coords = _predicted(frame, turned, state.coords, target, potentials, held)
@@ -154,6 +199,8 @@ def fold(
             states.append(replace(state, strain_peak=peak))
             solved, rested, peak = 0, True, 0.0
         angles = frame.angles_near(coords, target)
+        if keeper:
+            keeper.keep(Reached(number, tuple(states), state, angles, solved, rested, peak))
     progress(loads, loads)
     return Folding(frame, tuple(states), in_turn)
 

@@ -14,7 +14,7 @@ from fab.folding.dynamics import fold_dynamically
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import closing_path
 from fab.folding.misplaced_vertices import Misplaced, misplaced_vertices
-from fab.folding.quasi_static import Folding, fold
+from fab.folding.quasi_static import Checkpoint, Folding, fold
 from fab.folding.rigid_findings import findings_of_fold
 from fab.folding.rigid_folding import RigidFold, fold_rigidly
 from fab.folding.rigid_motion import RigidMotion
@@ -44,6 +44,7 @@ def fold_and_judge(
     solver: Solver = Solver.QUASI_STATIC,
     progress: Progress = silent,
     tolerance: Tolerance | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """Fold a pattern from flat, and judge whether it reaches its target.
 
@@ -54,6 +55,7 @@ def fold_and_judge(
     pattern : in millimetres.
     tolerance : how exactly the target must be reached; by default 0.1 degrees.
     progress : called with the stages "fold", "judge" and, for a folding path, "order".
+    checkpoint : what keeps a quasi-static fold, as for `fab.folding.quasi_static.fold`.
 
     Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a face
     without area.
@@ -63,13 +65,15 @@ def fold_and_judge(
     if solver is Solver.DYNAMIC:
         folding = fold_dynamically(frame, settings.steps, progress=partial(progress, "fold"))
     else:
-        folding = fold(frame, settings.steps, partial(progress, "fold"))
+        folding = fold(frame, settings.steps, partial(progress, "fold"), checkpoint=checkpoint)
     progress("judge", 0, 1)
     verdict = judge(folding, tolerance)
     progress("judge", 1, 1)
     stuck = solver is Solver.QUASI_STATIC and verdict.in_local_minimum
     if stuck and len(frame.hinges_edge) <= _MOST_HINGES:
-        folding, verdict = _along_a_path(folding, verdict, settings.steps, progress, tolerance)
+        folding, verdict = _along_a_path(
+            folding, verdict, settings.steps, progress, tolerance, checkpoint
+        )
     findings = [
         *inspect_form(frame, tolerance),
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
@@ -116,14 +120,19 @@ def _misplaced(frame: Framework, verdict: Verdict) -> list[Misplaced]:
 
 
 def _along_a_path(
-    stuck: Folding, verdict: Verdict, steps: int, progress: Progress, tolerance: Tolerance
+    stuck: Folding,
+    verdict: Verdict,
+    steps: int,
+    progress: Progress,
+    tolerance: Tolerance,
+    checkpoint: Checkpoint | None,
 ) -> tuple[Folding, Verdict]:
     """The fold along a folding path, or the first one where that does not reach the target either.
 
     Iterations of the verdict are those of both folds and of the path.
     """
     path = closing_path(stuck.frame, partial(progress, "order"))
-    again = fold(stuck.frame, steps, partial(progress, "fold"), path.angles)
+    again = fold(stuck.frame, steps, partial(progress, "fold"), path.angles, checkpoint=checkpoint)
     judged = judge(again, tolerance)
     iterations = stuck.iterations + path.iterations + again.iterations
     if judged.reached:

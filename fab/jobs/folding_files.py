@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from fab.errors import Finding
 from fab.folding.fold_settings import FoldSettings
+from fab.folding.quasi_static import Checkpoint
 from fab.folding.rigid_findings import no_motion, with_motion
 from fab.folding.rigid_motion import rigid_motion
 from fab.folding.simulation import Solver, fold_and_judge, fold_rigidly_and_judge
@@ -57,6 +58,7 @@ def simulate(
     fold_flat: bool = False,
     upright: bool = False,
     face_orders: IntArray | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Made:
     """Fold a pattern from flat, and make NAME_folding.fold, .png, .gif, .glb, .html and .json.
 
@@ -80,6 +82,7 @@ def simulate(
     tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
         left out, and in proportion for shape and strain.
     progress : called with (stage, steps done, steps in the stage).
+    checkpoint : what keeps a quasi-static fold that is cut short.
 
     Raises `InvalidValue` as `fab.folding.simulation.fold_and_judge` does.
     """
@@ -93,7 +96,9 @@ def simulate(
     }
     stem = f"{name}_folding"
     if solver is not Solver.RIGID:
-        folding, verdict, found = fold_and_judge(pattern, settings, solver, progress, tolerance)
+        folding, verdict, found = fold_and_judge(
+            pattern, settings, solver, progress, tolerance, checkpoint
+        )
         motion = rigid_motion(pattern, folding.frame)
         found, shown, rigid = with_motion(found, verdict, motion), folding, motion.report()
     else:

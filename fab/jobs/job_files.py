@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fab import __version__
 from fab.jobs.file_names import JOB
@@ -37,6 +37,9 @@ from fab.progress import Clock, Progress, silent
 from fab.settings import checked
 from solver import QuadMesh
 from solver.vectors import FloatArray
+
+if TYPE_CHECKING:
+    from fab.folding.quasi_static import Checkpoint
 
 __all__ = ["Format", "Sheet", "from_mesh", "grown_sheet", "make"]
 
@@ -81,6 +84,7 @@ def make(
     progress: Progress = silent,
     *,
     rigidity: bool = True,
+    checkpoint: Checkpoint | None = None,
 ) -> Made:
     """Run a job in memory: grow, develop, and write each of `formats` as bytes.
 
@@ -91,11 +95,13 @@ def make(
     rigidity : whether sheets of up to 2,000 faces are looked at for rigid folding, which takes a
     tenth of a second.
 
+    checkpoint : what keeps its simulation where that is cut short.
+
     Raises `InvalidJob` where the design's parameters leave nothing to grow, or a sheet without
     area. Growth that stops early, overlaps and the like are findings in the report.
     """
     clock = Clock(progress)
-    return _made(_grown_sheet(job, clock), formats, clock, rigidity=rigidity)
+    return _made(_grown_sheet(job, clock), formats, clock, rigidity=rigidity, checkpoint=checkpoint)
 
 
 def grown_sheet(job: Job, progress: Progress = silent) -> Sheet:
@@ -167,7 +173,12 @@ def from_mesh(
 
 
 def _made(
-    sheet: FoldedSheet, formats: Iterable[str] | None, clock: Clock, *, rigidity: bool = True
+    sheet: FoldedSheet,
+    formats: Iterable[str] | None,
+    clock: Clock,
+    *,
+    rigidity: bool = True,
+    checkpoint: Checkpoint | None = None,
 ) -> Made:
     names = sheet.settings.wanted if formats is None else formats
     wanted = set(formats_among(names, Format, "format"))
@@ -180,7 +191,7 @@ def _made(
         fold_part(sheet, wanted, clock),
         drawings_part(sheet, wanted, clock),
         solids_part(sheet, wanted, clock),
-        simulation_part(sheet, wanted, clock),
+        simulation_part(sheet, wanted, clock, checkpoint),
         # a simulation has found it already
         rigidity_part(sheet, clock) if rigidity and sheet.settings.simulation is None else Part(),
         picture_part(sheet, wanted, clock),

@@ -30,6 +30,7 @@ from solver.vectors import IntArray
 if TYPE_CHECKING:
     from fab.drawings.cut_paths import CutPaths
     from fab.drawings.layer_colours import Colours
+    from fab.folding.quasi_static import Checkpoint
     from fab.viewing.leaflet import Leaflet
     from fab.viewing.scene import Scene
 
@@ -135,7 +136,9 @@ def seams_part(sheet: FoldedSheet) -> Part:
     return Part(findings=seam_findings(meeting), report={"seams": meeting.report()})
 
 
-def simulation_part(sheet: FoldedSheet, wanted: set[Format], clock: Clock) -> Part:
+def simulation_part(
+    sheet: FoldedSheet, wanted: set[Format], clock: Clock, checkpoint: Checkpoint | None = None
+) -> Part:
     """The verdict of its simulation, where the settings ask for one, and whether it is rigid."""
     settings = sheet.settings.simulation
     if settings is None:
@@ -144,7 +147,9 @@ def simulation_part(sheet: FoldedSheet, wanted: set[Format], clock: Clock) -> Pa
     from fab.folding.rigid_motion import rigid_motion
     from fab.folding.simulation import fold_and_judge
 
-    folding, verdict, findings = fold_and_judge(sheet.pattern, settings, progress=clock.progress)
+    folding, verdict, findings = fold_and_judge(
+        sheet.pattern, settings, progress=clock.progress, checkpoint=checkpoint
+    )
     motion = rigid_motion(sheet.pattern, folding.frame)
     findings = with_motion(findings, verdict, motion)
     scene: Scene | None = None

@@ -1,0 +1,193 @@
+"""Checkpoints of long folds: files from which a fold that was cut short goes on.
+
+A fold that takes longer than some seconds is kept, load after load, in a file beside the files that
+it is made for. Started again with the same sheet and settings by the same version, it goes on from
+there, and ends with the same bytes as in one go, since each load depends on the one before alone.
+The file is named by a hash of all this, so that no other fold takes it up.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import time
+import zipfile
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fab.errors import Finding, Severity
+from fab.folding.bar_hinge_model import Energy, Framework
+from fab.folding.quasi_static import FoldState, Reached
+from solver.vectors import FloatArray
+
+__all__ = ["FoldCheckpoints"]
+
+# A fold is kept after so many seconds, and as often from then on.
+_EVERY_S = 5.0
+# What reading a damaged file raises.
+_DAMAGES = (OSError, ValueError, KeyError, IndexError, EOFError, MemoryError, zipfile.BadZipFile)
+# What the bits of a fold depend on besides the sheet.
+_PACKAGES = ("quadfold", "numpy", "scipy", "rslab")
+
+
+class FoldCheckpoints:
+    """Those of the folds of one run, in a folder.
+
+    folder : where they are written; made where it is missing. name : of the job or pattern.
+    told : called with a line where a fold goes on, and a finding where a file cannot be used.
+    every_s : seconds from one to the next, and before the first.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        name: str,
+        told: Callable[[str | Finding], None] = lambda _: None,
+        every_s: float = _EVERY_S,
+    ) -> None:
+        self._folder, self._name, self._told, self._every_s = folder, name, told, every_s
+        self._key, self._loads, self._used = "", 0, list[Path]()
+        self._kept_at = time.monotonic()
+        self._fails = False
+
+    def begin(
+        self, frame: Framework, path: FloatArray, loads: int, per_step: int
+    ) -> Reached | None:
+        """How far the fold had come when it was cut short; None where it begins."""
+        self._key, self._loads = _key(frame, path, loads, per_step), loads
+        self._kept_at, self._fails = time.monotonic(), False
+        file = self._file
+        if not file.is_file():
+            return None
+        self._used.append(file)
+        try:
+            reached = _read(file, self._key)
+        except _DAMAGES as error:
+            text = f"{file.name} cannot be used ({error}): the fold begins from flat."
+            self._told(Finding("checkpoint-unusable", Severity.WARNING, text))
+            return None
+        done = reached.number / loads
+        self._told(f"fold: goes on at {done:.0%}, where it was cut short ({file.name})")
+        return reached
+
+    def keep(self, reached: Reached) -> None:
+        """Write how far the fold has come, if the last time was long ago.
+
+        And where it is over, if it has been kept before.
+        """
+        file = self._file
+        over = reached.number == self._loads and file in self._used
+        if self._fails or not (over or time.monotonic() >= self._kept_at + self._every_s):
+            return
+        beside = file.with_name(f".{file.name}.part")
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            with beside.open("wb") as stream:
+                np.savez(stream, **_arrays(reached, self._key))
+            beside.replace(file)
+        except OSError as error:
+            self._fails = True
+            with suppress(OSError):
+                beside.unlink(missing_ok=True)
+            text = f"{file.name} cannot be written ({error.strerror}): the fold is not kept."
+            self._told(Finding("checkpoint-unusable", Severity.WARNING, text))
+            return
+        if file not in self._used:
+            self._used.append(file)
+        self._kept_at = time.monotonic()
+
+    def cut_short(self) -> None:
+        """Tell from which files the folds of this run can go on."""
+        for file in self._used:
+            if file.is_file():
+                self._told(f"fold: kept in {file.name}; the same command goes on from there")
+
+    def remove(self) -> None:
+        """Remove the files of this run: what they are for has been made."""
+        for file in self._used:
+            with suppress(OSError):
+                file.unlink(missing_ok=True)
+
+    @property
+    def _file(self) -> Path:
+        return self._folder / f"{self._name}_checkpoint_{self._key[:12]}.npz"
+
+
+def _key(frame: Framework, path: FloatArray, loads: int, per_step: int) -> str:
+    """A hash of all that the states of a fold depend on."""
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        digest.update(f"{package} {version(package)}\n".encode())
+    digest.update(f"{loads} {per_step} {frame.size_mm!r}\n".encode())
+    for array in (
+        path,
+        frame.vertices_coords,
+        frame.triangles_vertices,
+        frame.bars_vertices,
+        frame.bars_length,
+        frame.bars_stiffness,
+        frame.hinges_vertices,
+        frame.hinges_stiffness,
+        frame.hinges_target,
+    ):
+        digest.update(f"{array.dtype} {array.shape}\n".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _arrays(reached: Reached, key: str) -> dict[str, Any]:
+    """As arrays; the last of the states is the one that the next load begins from."""
+    states = [*reached.states, reached.state]
+    return {
+        "key": np.array(key),
+        "number": np.array(reached.number),
+        "angles": reached.angles,
+        "solved": np.array(reached.solved),
+        "rested": np.array(reached.rested),
+        "peak": np.array(reached.peak),
+        "coords": np.stack([state.coords for state in states]),
+        "load": np.array([state.load for state in states]),
+        "energy": np.array([[state.energy.bars, state.energy.hinges] for state in states]),
+        "strain": np.array([[s.strain_mean, s.strain_max, s.strain_peak] for s in states]),
+        "iterations": np.array([state.iterations for state in states]),
+        "settled": np.array([state.settled for state in states]),
+        "accepted": np.concatenate([np.asarray(state.accepted, float) for state in states]),
+        "accepted_count": np.array([len(state.accepted) for state in states]),
+    }
+
+
+def _read(file: Path, key: str) -> Reached:
+    """What a file holds. Raises one of many errors where it is damaged, or of another fold."""
+    with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+        if str(archive["key"]) != key:
+            raise ValueError("it is of another fold")
+        found = {name: archive[name] for name in archive.files}
+    ends = found["accepted_count"].cumsum()
+    accepted = np.split(found["accepted"], ends[:-1])
+    states = [
+        FoldState(
+            float(found["load"][k]),
+            coords,
+            Energy(float(found["energy"][k, 0]), float(found["energy"][k, 1])),
+            float(found["strain"][k, 0]),
+            float(found["strain"][k, 1]),
+            float(found["strain"][k, 2]),
+            tuple(accepted[k].tolist()),
+            int(found["iterations"][k]),
+            bool(found["settled"][k]),
+        )
+        for k, coords in enumerate(found["coords"])
+    ]
+    return Reached(
+        int(found["number"]),
+        tuple(states[:-1]),
+        states[-1],
+        found["angles"],
+        int(found["solved"]),
+        bool(found["rested"]),
+        float(found["peak"]),
+    )
