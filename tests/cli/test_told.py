@@ -11,7 +11,11 @@ from helpers import ROOT, TEMPLATES
 import fab
 from fab.cli.group import main
 from fab.cli.progress_lines import StageLines
+from fab.folding.bar_hinge_model import framework
+from fab.folding.checkpoints import FoldCheckpoints
+from fab.folding.quasi_static import fold
 from fab.jobs.file_names import FAMILIES, left_over
+from fab.jobs.grow import grown_pattern
 
 TWIST = str(ROOT / "tests" / "patterns" / "square_twist.fold")
 STOCK = ("--material", "card_300gsm", "--machine", "co2_60w_600x400")
@@ -222,3 +226,24 @@ def test_the_closing_lines_of_sheets_have_time_and_mass(tmp_path):
     doubled = x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)
     area_m2 = np.abs(doubled.sum(axis=1)).sum() / 2e6
     assert grams == pytest.approx(area_m2 * 300, rel=0.01)  # kerf is cut beside the sheet
+
+
+def test_folds_that_were_cut_short_go_on_and_those_of_other_settings_are_named(tmp_path):
+    path, out = tmp_path / "job.toml", tmp_path / "out"
+    text = (TEMPLATES / "miura.toml").read_text()
+    path.write_text(text + "\n[simulation]\nsteps = 3\n")
+    job = fab.load_job(path)
+    pattern, _ = grown_pattern(job)
+    for crease in (job.simulation.crease, 0.5):
+        settings = job.simulation.model_copy(update={"crease": crease})
+        kept = FoldCheckpoints(out, "miura", every_s=0.0)
+        fold(framework(pattern, settings), 3, checkpoint=kept)
+    assert len(list(out.iterdir())) == 2
+    for command in (["run", path], ["simulate", path]):
+        done = run(*command, "--only", "fold", "--out", out)
+        assert done.exit_code == 0
+        line = "fold: goes on at 100%, where it was cut short (miura_checkpoint_"
+        assert (line in done.stderr) is (command[0] == "run")
+        (other,) = out.glob("*.npz")
+        assert f"note: {other.name}" in done.stderr
+    assert run("run", path, "--only", "fold", "--out", out, "--quiet").stderr == ""
