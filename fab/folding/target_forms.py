@@ -31,11 +31,13 @@ class FormDifference:
     stretch_mm, stretch_rel : largest change of a side or diagonal of a face.
     distance_mm : largest distance of a vertex from the form that the fold angles give; None where
         they give none.
+    likely : what it is instead, such as "the mirror image of it"; empty where that is not seen.
     """
 
     stretch_mm: float
     stretch_rel: float
     distance_mm: float | None
+    likely: str = ""
 
 
 def target_form(frame: Framework, tolerance: Tolerance | None = None) -> FloatArray | None:
@@ -71,7 +73,8 @@ def form_difference(frame: Framework, tolerance: Tolerance | None = None) -> For
         given = frame.kinematics.folded_coords / frame.size_mm
         if (distance_rel(frame, form, given) or 0.0) <= tolerance.shape_rel:
             return None
-        return FormDifference(longest, largest, _largest_distance(frame, form, given))
+        distance = _largest_distance(frame, form, given)
+        return FormDifference(longest, largest, distance, _likely(frame, form, given, tolerance))
     return FormDifference(longest, largest, None) if largest > _STRETCH else None
 
 
@@ -87,11 +90,33 @@ def inspect_form(frame: Framework, tolerance: Tolerance | None = None) -> list[F
         )
     else:
         stretched = f", and changes lengths {lengths}" if found.stretch_rel > _SEEN else ""
+        likely = f" (it is {found.likely})" if found.likely else ""
         text = (
             f"the folded form is up to {found.distance_mm:.3g} mm from the one that the fold "
-            f"angles give{stretched}: the angles are the target."
+            f"angles give{stretched}{likely}: the angles are the target."
         )
     return [Finding("folded-form-differs", Severity.WARNING, text)]
+
+
+def _likely(frame: Framework, form: FloatArray, given: FloatArray, tolerance: Tolerance) -> str:
+    """What a form is that is not the one given by the angles: of faults that are often seen."""
+
+    def near(first: FloatArray, second: FloatArray) -> bool:
+        return (distance_rel(frame, first, second) or 0.0) <= tolerance.shape_rel
+
+    factor = _extent(form) / (_extent(given) or 1.0)
+    if near(form * [1.0, 1.0, -1.0], given):
+        return "the mirror image of it"
+    if factor > 0 and near(form / factor, given):
+        return f"{factor:.4g} times as large as it"
+    if near(form, frame.vertices_coords):
+        return "the flat sheet"
+    return ""
+
+
+def _extent(coords: FloatArray) -> float:
+    """Root mean square distance of points from their middle."""
+    return float(np.sqrt(((coords - coords.mean(axis=0)) ** 2).sum(axis=1).mean()))
 
 
 def distance_rel(frame: Framework, coords: FloatArray, form: FloatArray | None) -> float | None:

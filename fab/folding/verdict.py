@@ -210,10 +210,14 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
     if verdict.closure_max_rad > tolerance.closure_rad and not verdict.open_vertices:
         return f"Its angles miss each other by {verdict.closure_max_rad:.3g} rad around a hole."
     if misplaced and len(misplaced) == len(verdict.open_vertices):
+        flat = all(each.kawasaki_deg is not None for each in misplaced)
+        cause = "Its angles are right, but vertices are"
+        if not flat:
+            cause = "Its angles close but for vertices that are"
+        off = max(each.distance_mm for each in misplaced)
         return (
-            f"Its angles are right, but vertices are off by up to about "
-            f"{max(each.distance_mm for each in misplaced):.2g} mm: --tolerance-deg "
-            f"{_enough_deg(verdict):g} accepts that."
+            f"{cause} off by up to about {off:.2g} mm: --tolerance-deg {_enough_deg(verdict):g} "
+            "accepts that."
         )
     if verdict.open_vertices:
         return "Its angles do not close: see open_vertices."
@@ -269,14 +273,27 @@ def _angles_do_not_close(verdict: Verdict, misplaced: Sequence[Misplaced]) -> Fi
         text += f" One of {'its' if count == 1 else 'their'} creases has a wrong angle: "
         text += "correct it, or give --rigid for angles that close."
     if misplaced:
-        worst = max(misplaced, key=lambda each: each.distance_mm)
-        own = "" if count == 1 else f" of vertex {worst.vertex}"
-        text += (
+        text += _nearest_move(misplaced)
+    return Finding("angles-do-not-close", Severity.ERROR, text)
+
+
+def _nearest_move(misplaced: Sequence[Misplaced]) -> str:
+    """Which move of vertices makes their angles close."""
+    worst = max(misplaced, key=lambda each: each.distance_mm)
+    moved = sum(each.distance_mm > 0 for each in misplaced)
+    own = "" if len(misplaced) == 1 else f" of vertex {worst.vertex}"
+    if worst.kawasaki_deg is not None:
+        return (
             f" Creases{own} that fold by 180 degrees are right, but the sectors between them miss "
             f"Kawasaki's condition by {worst.kawasaki_deg:.2g} degrees: the vertex is about "
             f"{worst.distance_mm:.2g} mm off."
         )
-    return Finding("angles-do-not-close", Severity.ERROR, text)
+    if moved == 1:
+        return f" They close where vertex {worst.vertex} moves by {worst.distance_mm:.2g} mm."
+    return (
+        f" They close where {moved} vertices move by up to {worst.distance_mm:.2g} mm (vertex "
+        f"{worst.vertex})."
+    )
 
 
 def _folds_in_turn(verdict: Verdict) -> Finding | None:
