@@ -64,6 +64,23 @@ class Material(Described):
         description="direction of the grain of the sheet as it lies on the bed: 0 along x, 90 "
         "along y; left out where it has none",
     )
+    youngs_modulus_mpa: float | None = Field(
+        default=None, gt=0, le=1e6, description="of the sheet; loads need it"
+    )
+    poissons_ratio: float = Field(default=0.3, ge=0, lt=0.5, description="of the sheet")
+    strain_max: float | None = Field(
+        default=None,
+        gt=0,
+        le=2,
+        description="of its outer fibre, without breaking or yielding; none where unknown",
+    )
+    crease_stiffness_n: float | None = Field(
+        default=None,
+        ge=0,
+        le=1e6,
+        description="moment that turns a crease, per length and radian; the bending stiffness of "
+        "the sheet over 100 thicknesses where left out",
+    )
     perforation: PerforationSettings = Field(description="as in a job")
 
     @field_validator("rotations_deg", mode="before")
