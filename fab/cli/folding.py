@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from fab.cli.completion import StockName
 from fab.cli.console import answers
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import allowed_job
 from fab.cli.kept_folds import kept_fold
+from fab.cli.load_options import load_options, with_loads
 from fab.cli.options import (
     ALLOW_CODE,
     FILE,
@@ -61,6 +63,15 @@ __all__ = ["animate", "simulate"]
     help="Largest error of a crease at the target (default: 0.1); 0.1 % of strain and shape for "
     "each degree.",
 )
+@click.option(
+    "--material",
+    type=StockName("sheet"),
+    default=None,
+    metavar="NAME",
+    help="What the sheet is made of, for loads and for the strain that it bears. A shipped one, or "
+    "a .toml file of your own.",
+)
+@load_options
 @size_options
 @reading_options
 @only("Such as fold,gif (default: all).")
@@ -74,6 +85,8 @@ def simulate(
     solver: str | None,
     fold_flat: bool,
     tolerance_deg: float | None,
+    material: str | None,
+    loads: Mapping[str, Any],
     size: Size,
     options: ReadOptions,
     only: tuple[str, ...],
@@ -85,7 +98,7 @@ def simulate(
 
     FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML). With --rigid the faces stay
     flat: the sheet follows its rigid motion, where there is one, to its target, or until the crease
-    that folds most is at --fold-deg.
+    that folds most is at --fold-deg. With --fix the folded sheet carries loads, its weight for one.
     """
     with answers() as interrupts:
         from fab.folding.simulation import Solver
@@ -105,7 +118,9 @@ def simulate(
         if job is not None:
             _require_none(file, options, size)
         name = plain_title(file.stem) if job is None else job.name
-        settings = _settings(job, states)
+        settings = with_loads(_settings(job, states), loads)
+        if material is None and job is not None and job.cutter is not None:
+            material = job.cutter.material
 
         kept = None if dry_run else kept_fold(out, name, told)
 
@@ -124,6 +139,7 @@ def simulate(
                 upright=upright,
                 face_orders=orders,
                 checkpoint=kept,
+                material=material,
             )
 
         deliver(
@@ -280,21 +296,19 @@ def _pattern(
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
-    yield report["rigid"]["text"]
     verdict = report["verdict"]
     if verdict is None:
+        yield report["rigid"]["text"]
         return
+    yield verdict["text"]
+    if report["rigid"]["text"] not in verdict["text"]:
+        yield f"with rigid faces: {report['rigid']['text']}"
     layers = report["layers"]
-    if layers is not None:
+    if layers is not None and layers["text"] not in verdict["text"]:
         yield layers["text"]
     far = verdict["rmsd_rel"]
     reached = "folds to its target" if verdict["reached"] else "does not reach its target"
-    if (
-        verdict["reached"]
-        and layers is not None
-        and layers["folds_flat"] == "no"
-        and not layers["assumed"]
-    ):
+    if verdict["kind"] == "cannot-lie-flat":
         reached = "cannot lie flat, though its angles are reached"
     yield (
         f"{reached}: "
@@ -302,3 +316,5 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
         + f"creases by at most {verdict['angle_error_max_deg']:.2g} degrees, strain "
         f"{verdict['strain_max']:.2g} (on the way {verdict['peak_strain']:.2g})"
     )
+    if "loads" in report:
+        yield report["loads"]["text"]

@@ -20,8 +20,12 @@ def summary(report: Mapping[str, Any]) -> Iterator[str]:
     )
     boxes = report["bounding_box_mm"]
     yield f"flat {_sides(boxes['flat'])} mm; folded {_sides(boxes['folded'])} mm"
-    if report["rigid"] is not None:
+    if report["simulation"] is not None:
+        yield report["simulation"]["text"]
+    elif report["rigid"] is not None:
         yield report["rigid"]["text"]
+    if "loads" in report:
+        yield report["loads"]["text"]
     growth = report["growth"]
     if growth["coverage"] is not None:
         yield f"{growth['coverage']:.1%} of the surface is under the sheet"

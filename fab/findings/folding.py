@@ -21,8 +21,8 @@ FOLDING = (
         "angles-do-not-close",
         (ERROR,),
         "The fold angles around a vertex contradict each other.",
-        "An angle is wrong, or for creases that fold by 180 degrees, the vertex is a little off "
-        "its place.",
+        "An angle is wrong, or the vertex is a little off its place; of creases that fold by 180 "
+        "degrees it is the vertex.",
         "Correct the angle or move the vertex, as the text says, or give --rigid for angles "
         "that close.",
     ),
@@ -151,5 +151,28 @@ FOLDING = (
         "The letters do not suit each other around a vertex, the sheet locks, or it folds less "
         "far.",
         "Correct the letters at the vertex that the text names, or give a smaller --fold-deg.",
+    ),
+    Explanation(
+        "loads-not-at-rest",
+        (ERROR,),
+        "Under its load the sheet does not come to rest.",
+        "It turns about what holds it, a pull has nothing to act against, or the load is so large "
+        "that it bends very far in each step.",
+        "Fix more vertices, take more load_steps, or less load.",
+    ),
+    Explanation(
+        "strained-by-loads",
+        (WARNING,),
+        "Under its load the sheet is strained by more than its material bears.",
+        "It bends sharply, mostly where it is held or pulled.",
+        "Hold it along an edge in place of a point, or take a thicker or stiffer sheet.",
+    ),
+    Explanation(
+        "crease-stiffness-guessed",
+        (NOTE,),
+        "How stiff the creases are is not known.",
+        "The file of the material has no crease_stiffness_n: folded sheets of few creases sag by "
+        "other amounts.",
+        "Measure how far a folded strip opens under a weight, and give crease_stiffness_n.",
     ),
 )

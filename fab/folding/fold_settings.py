@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from fab.folding.loads.load_settings import LoadSettings
 from fab.settings import Settings
 
 __all__ = ["FoldSettings", "Stiffness"]
@@ -24,6 +25,9 @@ class Stiffness(Settings):
 
 
 class FoldSettings(Stiffness):
-    """Stiffness, and the number of steps from flat to folded."""
+    """Stiffness, the number of steps from flat to folded, and what the folded sheet carries."""
 
     steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
+    loads: LoadSettings | None = Field(
+        default=None, description="what the folded sheet carries; nothing where left out"
+    )

@@ -38,7 +38,8 @@ class Family:
 _CHECKPOINT = r"_checkpoint_[0-9a-f]{12}\.npz"
 JOB = Family(
     "_report.json",
-    r"(_plate_\d+|_bodies)?\.(fold|dxf|svg|pdf|step|stl|3mf|png|zip|glb|html)|" + _CHECKPOINT,
+    r"(_plate_\d+|_bodies)?\.(fold|dxf|svg|pdf|step|stl|3mf|png|zip|glb|html)|_loads\.png|"
+    + _CHECKPOINT,
 )
 SHEETS = Family(
     "_sheets_report.json",
@@ -48,7 +49,7 @@ THICK = Family(
     "_thick_report.json",
     r"_thick((_plate_\d+|_bodies)?\.(step|stl|3mf|png|zip|glb|html)|_assembly\.pdf)",
 )
-FOLDING = Family("_folding.json", r"_folding\.(fold|png|gif|glb|html)|" + _CHECKPOINT)
+FOLDING = Family("_folding.json", r"_folding(\.(fold|png|gif|glb|html)|_loads\.png)|" + _CHECKPOINT)
 ANIMATION = Family("_animation.json", r"_(growth|motion)\.(gif|mp4)")
 FAMILIES = (JOB, SHEETS, THICK, FOLDING, ANIMATION)
 

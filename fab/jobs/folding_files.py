@@ -17,7 +17,9 @@ from fab.folding.simulation import Solver, fold_and_judge, fold_rigidly_and_judg
 from fab.folding.target_forms import form_difference
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
+from fab.folding.verdict_words import in_words
 from fab.formats.fold.writer import fold_bytes
+from fab.jobs.bearing_sheets import bearing_sheets
 from fab.jobs.file_names import FOLDING
 from fab.layers.layer_findings import inspect_layers
 from fab.layers.layer_orders import layer_orders
@@ -30,6 +32,7 @@ from fab.viewing.scene_builders import folding_scene
 from solver.vectors import IntArray
 
 if TYPE_CHECKING:
+    from fab.jobs.sheet_loads import CarriedLoads
     from fab.viewing.scene import Scene
 
 __all__ = ["SimulationFormat", "simulate"]
@@ -59,6 +62,7 @@ def simulate(
     upright: bool = False,
     face_orders: IntArray | None = None,
     checkpoint: Checkpoint | None = None,
+    material: str | None = None,
 ) -> Made:
     """Fold a pattern from flat, and make NAME_folding.fold, .png, .gif, .glb, .html and .json.
 
@@ -66,7 +70,9 @@ def simulate(
     angles where they close, or what it folds to), and a frame for each state. The report is the
     .json file and holds the verdict, and under "rigid" whether the sheet folds with flat faces. Of
     sheets that fold flat it has under "layers" whether their layers have an order, and the folded
-    form in the FOLD file has that of one (`fab.layers`).
+    form in the FOLD file has that of one (`fab.layers`). Where the settings have loads, the folded
+    sheet is loaded too: frames of its states, a picture NAME_folding_loads.png, and "loads" in the
+    report.
 
     Parameters
     ----------
@@ -81,10 +87,13 @@ def simulate(
     face_orders : rows of faceOrders of its file, shape (n, 3), which the layers have if they can.
     tolerance_deg : how exactly the target must be reached; 0.1 degrees of a crease's angle where
         left out, and in proportion for shape and strain.
+    material : a shipped sheet material or a .toml file: whether it bears the strain, and what
+        loads it has; several shipped ones are compared where left out.
     progress : called with (stage, steps done, steps in the stage).
     checkpoint : what keeps a quasi-static fold that is cut short.
 
-    Raises `InvalidValue` as `fab.folding.simulation.fold_and_judge` does.
+    Raises `InvalidValue` as `fab.folding.simulation.fold_and_judge` does, and `InvalidJob` as
+    `fab.jobs.sheet_loads.carried_loads`.
     """
     settings = settings or FoldSettings()
     tolerance = Tolerance() if tolerance_deg is None else Tolerance(tolerance_deg)
@@ -115,14 +124,26 @@ def simulate(
     progress("layers", 0, 1)
     layers = layer_orders(pattern, face_orders)
     seen = layers if verdict.reached else None
+    found = [*found, *inspect_layers(layers)]
+    words = in_words(folding, verdict, motion, found, bearing_sheets(material), tolerance)
     files: dict[str, bytes] = {}
     sheet = folding.frame.sheet.pattern
+    carried: CarriedLoads | None = None
+    if settings.loads is not None:
+        from fab.jobs.sheet_loads import carried_loads
+
+        carried = carried_loads(
+            folding, settings.loads, material, name, upright=upright, progress=progress
+        )
+        found = [*found, *carried.findings()]
     if SimulationFormat.FOLD in formats:
         progress("write", 0, 1)
         size = folding.frame.size_mm
         states = [
             (f"{state.load:.2%} of the way", state.coords * size) for state in shown.states[1:]
         ]
+        if carried is not None:
+            states += carried.states_mm(folding.states[-1].coords * size)
         form = folded_form(folding, verdict, tolerance)
         folded = None if form is None else form * size
         orders = None if layers is None or not len(layers.orders) else layers.orders
@@ -135,6 +156,8 @@ def simulate(
         files[f"{stem}.png"] = states_png_bytes(
             layered(folding_scene(shown, name, upright=upright), seen)
         )
+        if carried is not None:
+            files[f"{stem}_loads.png"] = carried.png_bytes()
     if SimulationFormat.GIF in formats:
         from fab.viewing.folding_picture import folding_gif_bytes
 
@@ -142,9 +165,11 @@ def simulate(
         files[f"{stem}.gif"] = folding_gif_bytes(scene, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
     angles = [] if differs else inspect_angles(sheet)
-    every = [*findings, *angles, *found, *inspect_layers(layers)]
-    report |= {"verdict": verdict.report(), "rigid": rigid}
+    every = [*findings, *angles, *found]
+    report |= {"verdict": words.report() | verdict.report(), "rigid": rigid}
     report["layers"] = None if layers is None else layers.report()
+    if carried is not None:
+        report["loads"] = carried.report()
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
     if {SimulationFormat.GLB, SimulationFormat.HTML} & set(formats):
@@ -177,7 +202,10 @@ def _scene_files(
             report,
             scene.findings,
             {**files, **made},
-            pictures={f"{stem}.png": "states on the way, coloured by strain"},
+            pictures={
+                f"{stem}.png": "states on the way, coloured by strain",
+                f"{stem}_loads.png": "without load and under load, coloured by displacement",
+            },
         )
         made[f"{stem}.html"] = page_bytes(page)
     return made

@@ -146,19 +146,41 @@ def simulation_part(
     from fab.folding.rigid_findings import with_motion
     from fab.folding.rigid_motion import rigid_motion
     from fab.folding.simulation import fold_and_judge
+    from fab.folding.verdict_words import in_words
+    from fab.jobs.bearing_sheets import bearing_sheets
 
     folding, verdict, findings = fold_and_judge(
         sheet.pattern, settings, progress=clock.progress, checkpoint=checkpoint
     )
     motion = rigid_motion(sheet.pattern, folding.frame)
     findings = with_motion(findings, verdict, motion)
+    cutter = sheet.settings.cutter
+    material = None if cutter is None else cutter.material
+    words = in_words(folding, verdict, motion, findings, bearing_sheets(material))
     scene: Scene | None = None
     if wanted & OF_SCENES:
         from fab.viewing.scene_builders import folding_scene
 
         scene = folding_scene(folding, sheet.settings.name, upright=sheet.upright)
-    report = {"simulation": verdict.report(), "rigid": motion.report()}
-    return Part(findings=findings, report=report, scene=scene)
+    report = {"simulation": words.report() | verdict.report(), "rigid": motion.report()}
+    files: dict[str, bytes] = {}
+    if settings.loads is not None:
+        from fab.jobs.sheet_loads import carried_loads
+
+        name = sheet.settings.name
+        carried = carried_loads(
+            folding,
+            settings.loads,
+            material,
+            name,
+            upright=sheet.upright,
+            progress=clock.progress,
+        )
+        findings = [*findings, *carried.findings()]
+        report["loads"] = carried.report()
+        if Format.PNG in wanted:
+            files[f"{name}_loads.png"] = carried.png_bytes()
+    return Part(files=files, findings=findings, report=report, scene=scene)
 
 
 def rigidity_part(sheet: FoldedSheet, clock: Clock) -> Part:

@@ -81,11 +81,19 @@ FIGURES: tuple[Column, ...] = (
     ),
     *_of(
         "simulation",
+        ("kind", "text", "what the fold is like"),
         ("reached", "truth", "whether the fold reaches its target"),
         ("rmsd_rel", "number", "distance from the target, of the diagonal"),
         ("angle_error_max_deg", "number", "of a crease at the end"),
         ("strain_max", "number", "at the end"),
         ("peak_strain", "number", "on the way"),
+        ("bend_max_mm", "number", "by which faces bend on the way"),
+        ("barrier_rel", "number", "energy on the way, of that of folding all creases"),
+    ),
+    *_of(
+        "loads",
+        ("sag_mm", "number", "under load"),
+        ("outer_strain_max", "number", "under load, of the outer fibre"),
     ),
     *_of(
         "solids",

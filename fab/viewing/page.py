@@ -59,6 +59,7 @@ _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Solids", ("solids",)),
     ("Plates", ("plates",)),
     ("Folding", ("verdict", "simulation", "rigid", "tolerance_deg")),
+    ("Under load", ("loads",)),
 )
 # What is asked for, shown as it is.
 _ASKED = ("job", "settings", "material", "hinge_material", "machine", "printer", "solver")

@@ -16,6 +16,8 @@ from fab.sweeps.report_schema import report_schema
 
 CUTTER = 'cutter={material = "card_300gsm", machine = "co2_60w_600x400"}'
 
+LOADS = 'simulation.loads={fixed = ["left edge"], parts = 1, load_steps = 1}'
+
 
 def report_of(name, changes=(), formats=()):
     made = make(load_job(TEMPLATES / f"{name}.toml", list(changes)), formats)
@@ -24,7 +26,8 @@ def report_of(name, changes=(), formats=()):
 
 @pytest.fixture(scope="module")
 def full():
-    return report_of("miura", ["simulation.steps=2", CUTTER], ["dxf", "stl", "fold"])
+    changes = ["simulation.steps=2", LOADS, CUTTER]
+    return report_of("miura", changes, ["dxf", "stl", "fold"])
 
 
 def test_the_schema_is_one():
