@@ -111,7 +111,7 @@ def _where(text: str) -> str | int | list[float]:
 def _pull(text: str) -> dict[str, Any]:
     where, equals, force = text.rpartition("=")
     if not equals:
-        raise InvalidJob(f"--pull {text}: must have the form WHERE=X,Y,Z, as in 12=0,0,-0.5.")
+        raise click.UsageError(f"--pull {text}: must have the form WHERE=X,Y,Z, as in 12=0,0,-0.5.")
     return {"at": [_where(where)], "force_n": _numbers(f"--pull {text}", force, 3)}
 
 
@@ -121,5 +121,5 @@ def _numbers(option: str, text: str, count: int) -> list[float]:
     except ValueError:
         numbers = []
     if len(numbers) != count:
-        raise InvalidJob(f"{option}: must be {count} numbers with commas between them.")
+        raise click.UsageError(f"{option}: must be {count} numbers with commas between them.")
     return numbers

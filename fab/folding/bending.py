@@ -24,6 +24,8 @@ __all__ = ["Bend", "curvature_max_per_mm", "largest_bend"]
 
 # Bars of paper, over those of the simulation; and on the way there.
 _STIFFER = (30.0, 1000.0)
+# Springs that keep creases about where they are, over those of the simulation.
+_KEPT = 1e-2
 # States of larger sheets are taken as they are.
 _MOST_HINGES = 20_000
 # States with less strain are those of flat faces.
@@ -88,9 +90,11 @@ def _with_stiff_bars(folding: Folding, state: FoldState) -> tuple[FloatArray, fl
     """
     frame = folding.frame
     target = state.load * frame.hinges_target
-    if folding.in_turn:  # each at a rate of its own: about where it is
+    if folding.in_turn:  # each at a rate of its own: soft springs keep them about where they are
         driven = frame.hinges_target != 0
         target = np.where(driven, frame.angles_near(state.coords, target), 0.0)
+        softer = np.where(driven, _KEPT * frame.hinges_stiffness, frame.hinges_stiffness)
+        frame = replace(frame, hinges_stiffness=softer)
     coords = state.coords
     for factor in _STIFFER:
         stiff = replace(frame, bars_stiffness=factor * frame.bars_stiffness)

@@ -1,0 +1,92 @@
+"""Loads asked for at the command line and in jobs: files, figures, and refusals."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+from helpers import PATTERNS
+
+from fab import read_pattern
+from fab.cli.group import main
+from fab.errors import InvalidJob
+from fab.folding.fold_settings import FoldSettings
+from fab.folding.loads.load_settings import LoadSettings
+from fab.settings import checked
+
+MIURA = str(PATTERNS / "miura.fold")
+
+
+def run(*words):
+    return CliRunner().invoke(main, ["simulate", MIURA, "--states", "2", *map(str, words)])
+
+
+def test_a_sheet_that_is_held_sags_with_files_and_figures(tmp_path):
+    result = run(
+        *("--fix", "left edge", "--pull", "5=0,0,-0.01", "--material", "card_300gsm"),
+        *("--only", "fold,png,html", "--out", tmp_path),
+    )
+    assert result.exit_code == 0, result.output
+    assert "under load it sags by " in result.output
+    report = json.loads((tmp_path / "miura_folding.json").read_text())
+    loads = report["loads"]
+    assert loads["settled"]
+    assert loads["sag_mm"] > 0
+    assert loads["reaction_sum_n"] == pytest.approx([0, 0, loads["weight_n"] + 0.01], abs=1e-7)
+    assert loads["load_sum_n"] == pytest.approx([-x for x in loads["reaction_sum_n"]], abs=1e-7)
+    assert loads["states"][-1]["sag_mm"] == loads["sag_mm"]
+    assert [row["load"] for row in loads["states"]] == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert {"crease-stiffness-guessed"} <= {found["code"] for found in report["findings"]}
+    assert (tmp_path / "miura_folding_loads.png").read_bytes()[:4] == b"\x89PNG"
+    assert "Under load" in (tmp_path / "miura_folding.html").read_text()
+    document = json.loads((tmp_path / "miura_folding.fold").read_text())
+    frames = {frame.get("frame_title", ""): frame for frame in document["file_frames"]}
+    (last,) = [frame for title, frame in frames.items() if "under 100.00% of the load" in title]
+    assert len(last["vertices_coords"]) == len(document["vertices_coords"])
+    # it is where the fold has the sheet, but for what it sags
+    (folded,) = [frame for title, frame in frames.items() if "100.00% of the way" in title]
+    moved = [
+        sum((a - b) ** 2 for a, b in zip(first, second, strict=True)) ** 0.5
+        for first, second in zip(last["vertices_coords"], folded["vertices_coords"], strict=True)
+    ]
+    assert 0 < max(moved) <= loads["displacement_max_mm"] * (1 + 1e-6)
+    assert min(moved) < 1e-6  # what is held
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--fix", "left edge"], "loads.material is missing"),
+        (["--weight"], "say with --fix where it is held"),
+        (["--fix", "0", "--material", "plywood_3mm"], "has no youngs_modulus_mpa"),
+        (["--fix", "0", "--material", "card_30gsm"], "Did you mean card_300gsm"),
+        (
+            ["--fix", "left", "--material", "card_300gsm"],
+            "fixed.0 = 'left' is out of bounds: it must be 'left edge'",
+        ),
+        (["--fix", "999", "--material", "card_300gsm"], "numbered from 0 to"),
+        (["--fix", "0,0,1", "--material", "card_300gsm"], "must be 4 numbers"),
+        (["--fix", "0", "--pull", "0,0,1"], "must have the form WHERE=X,Y,Z"),
+        (["--fix", "0", "--down", "0,0,0"], "must not be zero"),
+        (["--fix", "0", "--no-weight"], "there is no load"),
+    ],
+)
+def test_loads_that_cannot_be_are_refused_with_a_cure(tmp_path, words, said):
+    result = run(*words, "--dry-run", "--out", tmp_path)
+    assert result.exit_code == 2, result.output
+    assert said in " ".join(result.output.split())
+
+
+def test_settings_of_a_job_are_those_of_the_options():
+    tables = {
+        "steps": 3,
+        "loads": {
+            "fixed": ["left edge", 12, [0.0, 0.0, 20.0, 10.0]],
+            "pulls": [{"at": ["right edge"], "force_n": [0.0, 0.0, -0.05]}],
+        },
+    }
+    settings = checked(FoldSettings, tables, "job", "")
+    assert settings.loads == LoadSettings.model_validate(tables["loads"])
+    assert settings.loads.fixed == ["left edge", 12, [0.0, 0.0, 20.0, 10.0]]
+    with pytest.raises(InvalidJob, match=r"loads\.fixed is missing"):
+        checked(FoldSettings, {"loads": {"weight": True}}, "job", "")
+    assert read_pattern(MIURA)[0].face_count == 40
