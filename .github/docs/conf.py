@@ -8,7 +8,7 @@ from importlib.metadata import version as installed_version
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
 project = "quadfold"
 author = "the contributors of quadfold"
@@ -21,11 +21,16 @@ except ModuleNotFoundError:
 extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["**/.*"]
-suppress_warnings: list[str] = []
+exclude_patterns = ["**/.*", "made_pages"]
 
 html_theme = "furo"
 html_title = "quadfold"
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+
+
+def setup(app):  # noqa: ANN001, ANN201, D103 - Sphinx calls it
+    from made_pages import write_pages
+
+    app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir) / "made"))

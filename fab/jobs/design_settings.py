@@ -32,7 +32,14 @@ from solver.mesh import QuadMesh
 from solver.targets.base import Target
 from solver.targets.surface_mesh import SurfaceMesh
 
-__all__ = ["SEEDS", "SHIPPED_DESIGNS", "DesignSettings", "design_key", "design_settings"]
+__all__ = [
+    "SEEDS",
+    "SHIPPED_DESIGNS",
+    "DesignSettings",
+    "ParameterSettings",
+    "design_key",
+    "design_settings",
+]
 
 
 class ParameterSettings(Settings):
@@ -195,9 +202,11 @@ def _model_fields(cls: type[Any]) -> dict[str, Any]:
         annotation = _annotation(field, types[field.name])
         keys[design_key(field)] = (annotation, _key(field, annotation))
         if _is_target(field):  # a file may hold several surfaces
-            keys["face"] = (int | list[int] | None, None)
+            face = "number of the face of a STEP file, or several; all of them where left out"
+            keys["face"] = (int | list[int] | None, Field(default=None, description=face))
             direction = Annotated[list[float], Field(min_length=3, max_length=3)]
-            keys["up"] = (direction | None, None)
+            up = "direction from which a mesh is seen, to grow on it; relaxed where left out"
+            keys["up"] = (direction | None, Field(default=None, description=up))
     return keys
 
 

@@ -83,7 +83,7 @@ class SheetSettings(ThickSettings):
         description="1 to 100 letters from a to z or A to Z, digits, '_', '-' or '.', of which the "
         "first is a letter or digit: it names the files in the output folder",
     )
-    description: str = ""
+    description: str = Field(default="", description="one line, for lists of jobs")
     outputs: list[
         Literal[
             "fold",

@@ -175,7 +175,11 @@ class Machine(Bedded):
     profile: Literal["pre_dashed", "whole_lines"] = Field(
         description="creases as dashes, or as whole lines for software that perforates by itself"
     )
-    dxf_version: DxfVersion = Field(default=DxfVersion.R2000, strict=False)
+    dxf_version: DxfVersion = Field(
+        default=DxfVersion.R2000,
+        strict=False,
+        description="of DXF files; R12 for software that reads no other",
+    )
     colours: Colours = Colours()
 
     @field_validator("kerf_mm")

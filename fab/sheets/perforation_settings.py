@@ -19,8 +19,8 @@ class FoldBand(Settings):
     A band that ends at 180 includes creases that fold by 180.
     """
 
-    from_deg: float = Field(ge=0, le=180)
-    to_deg: float = Field(ge=0, le=180)
+    from_deg: float = Field(ge=0, le=180, description="least fold angle of the band")
+    to_deg: float = Field(ge=0, le=180, description="fold angle at which the band ends")
     mountain: CreaseStyle | None = Field(default=None, description="left out: as outside the bands")
     valley: CreaseStyle | None = Field(default=None, description="left out: as outside the bands")
 

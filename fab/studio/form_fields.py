@@ -12,13 +12,13 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from fab.jobs.design_settings import DesignSettings
+from fab.jobs.design_settings import DesignSettings, ParameterSettings
 from fab.jobs.job import Job
 from fab.settings import Settings, alternatives
 from fab.studio.stock import Kind, names_of
 from solver.designs.surface_fit import SURFACES
 
-__all__ = ["FormField", "form_fields"]
+__all__ = ["FormField", "documented", "form_fields"]
 
 # Units by the ends of keys.
 _UNITS = {
@@ -89,7 +89,7 @@ def _of_design(design: DesignSettings, path: tuple[str, ...]) -> Iterator[FormFi
 
 
 def _of_table(table: type[Settings], above: tuple[str, ...]) -> Iterator[FormField]:
-    texts = _documented(table)
+    texts = documented(table)
     for key, info in table.model_fields.items():
         path = (*above, key)
         if path == ("design",) or (above[:1] == ("design",) and key == "kind"):
@@ -158,9 +158,9 @@ def _bounds(info: FieldInfo) -> dict[str, float]:
     }
 
 
-def _documented(table: type[Settings]) -> Mapping[str, str]:
-    """What the docstring of a design says of its fields, by their keys in a job."""
-    if not issubclass(table, DesignSettings):
+def documented(table: type[Settings]) -> Mapping[str, str]:
+    """What the docstring of a design, or of a part of one, says of its fields, by their keys."""
+    if not issubclass(table, ParameterSettings):
         return {}
     keys = table.keys()
     _, _, listed = (inspect.getdoc(table.design_class) or "").partition("Attributes\n----------\n")

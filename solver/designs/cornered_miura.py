@@ -31,7 +31,8 @@ class CorneredMiura:
     ----------
     columns, rows : number of quads in each direction of the whole Miura sheet.
     corner_column, corner_row : quads to the left of the corner and below it.
-    sector_angle, fold : see `solver.seeds.miura`.
+    sector_angle : acute angle of the parallelograms, radians in (0, pi/2).
+    fold : angle between each parallelogram and the plane of the sheet, radians in (0, pi/2).
     strips : how many go around the corner; at most as many as fill it where they match.
     strip_length : of their creases; the Miura sheet's are 1.
     matched : whether the creases from the corner's neighbours meet; otherwise they end before, and

@@ -27,7 +27,10 @@ class Miura:
     Attributes
     ----------
     columns, rows : number of quads in each direction.
-    sector_angle, fold, zigzag_length, crease_length : see `solver.seeds.miura`.
+    sector_angle : acute angle of the parallelograms, radians in (0, pi/2).
+    fold : angle between each parallelogram and the plane of the sheet, radians in (0, pi/2); 0
+        would be flat, pi/2 folded flat.
+    zigzag_length, crease_length : sides of the parallelograms, along and across a strip.
     """
 
     columns: int = 10
