@@ -15,6 +15,7 @@ from fab.settings import Settings, checked, read_toml
 
 __all__ = [
     "CURE",
+    "PAPER",
     "Bedded",
     "Described",
     "described",
@@ -22,11 +23,25 @@ __all__ = [
     "known_of",
     "load_described",
     "shipped",
+    "shipped_picture",
+    "template_groups",
 ]
 
 CURE = "Begin with a copy of a shipped file."
 # What a file is that does not name its kind.
 _KINDS = {"materials": "sheet", "machines": "cutter"}
+# Shipped jobs by what they are for; all others are of the series in which the paper is made again.
+_TO_USE = (
+    *("lamp_shade", "vase", "bowl", "dome", "canopy", "helmet", "bonnet", "wall_relief"),
+    *("acoustic_panel", "miura_pieces"),
+)
+_TO_CHANGE = (
+    *("miura", "rigid_miura", "cornered_miura", "strip_by_strip", "curved_fold", "wave_fold"),
+    *("elliptic_ring", "trefoil_knot", "twisted_squares", "nested_cones", "random_tube"),
+    *("cylinder", "barrel", "hourglass", "surface_fit", "crumpled", "brownian_ribbon"),
+    "spiral_ribbon",
+)
+PAPER = "Series of the paper"
 # Where the files are in an installed package, and in a checkout.
 _PACKAGED = Path(__file__).parent / "templates"
 _CHECKED_OUT = Path(__file__).parent.parent / "templates"
@@ -98,6 +113,19 @@ def shipped(folder: Literal["jobs", "materials", "machines"]) -> dict[str, Path]
     templates = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
     place = templates if folder == "jobs" else templates / folder
     return {path.stem: path for path in sorted(place.glob("*.toml"))}
+
+
+def template_groups() -> dict[str, tuple[str, ...]]:
+    """Names of the shipped jobs by what they are for: what is of use first, `PAPER` last."""
+    others = sorted(set(shipped("jobs")) - {*_TO_USE, *_TO_CHANGE})
+    return {"To use": _TO_USE, "Designs to change": _TO_CHANGE, PAPER: tuple(others)}
+
+
+def shipped_picture(name: str) -> Path | None:
+    """The picture of the folded form of a shipped job, 480 x 360 pixels; None where it has none."""
+    templates = _PACKAGED if _PACKAGED.is_dir() else _CHECKED_OUT
+    path = templates / "pictures" / f"{name}.png"
+    return path if path.is_file() else None
 
 
 def known(folder: Folder) -> dict[str, Path]:

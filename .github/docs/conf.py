@@ -7,6 +7,8 @@ import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
+from sphinx.util import logging
+
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 
@@ -18,19 +20,35 @@ try:
 except ModuleNotFoundError:
     release = ""
 
+# Sphinx looks for it before the pages are made
+(Path(__file__).parent / "made" / "extra").mkdir(parents=True, exist_ok=True)
+
 extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
-exclude_patterns = ["**/.*", "made_pages"]
+exclude_patterns = ["**/.*", "made_pages", "made/extra"]
 
 html_theme = "furo"
 html_title = "quadfold"
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_extra_path = ["made/extra"]
 
 
-def setup(app):  # noqa: ANN001, ANN201, D103 - Sphinx calls it
+def setup(app):  # noqa: D103 - Sphinx calls it
     from made_pages import write_pages
+    from made_pages.links import broken_links
 
-    app.connect("builder-inited", lambda app: write_pages(Path(app.srcdir) / "made"))
+    def write(app):
+        write_pages(Path(app.srcdir) / "made")
+
+    def check(app, error):
+        if error is None and app.builder.name == "html":
+            for broken in broken_links(Path(app.outdir)):
+                logging.getLogger(__name__).warning(broken)
+
+    app.connect("builder-inited", write)
+    app.connect("build-finished", check)

@@ -26,7 +26,7 @@ from fab.cli.options import (
 from fab.cli.panels import say_window
 from fab.cli.progress_lines import progress_of
 from fab.cli.run_summary import summary
-from fab.errors import InvalidJob, did_you_mean
+from fab.errors import InvalidJob, counted, did_you_mean
 from fab.files import shortened, shown_path
 
 __all__ = ["new", "run", "templates"]
@@ -102,18 +102,31 @@ def _place(job: Path) -> Path:
 
 @click.command()
 @click.argument("word", default="")
-def templates(word: str) -> None:
-    """List the shipped jobs, one line each; those with WORD in name or description."""
+@click.option("--paper", is_flag=True, help="The series in which the paper is made again.")
+def templates(word: str, paper: bool) -> None:
+    """List the shipped jobs, one line each: what is of use first, then designs to change.
+
+    With WORD those that have it in name or description, of the paper's series too.
+    """
     with answers():
-        from fab.catalogue import shipped
+        from fab.catalogue import PAPER, shipped, template_groups
 
         jobs = shipped("jobs")
         width, found = max(map(len, jobs)), 0
-        for name, path in jobs.items():
-            description = tomllib.loads(path.read_text(encoding="utf-8")).get("description", "")
-            if word.casefold() in f"{name} {description}".casefold():
-                say(f"{name:<{width}}  {description}")
-                found += 1
+        for group, names in template_groups().items():
+            if not word and paper != (group == PAPER):
+                continue
+            if not word:  # not among the names, which scripts read
+                say(f"{group}:", error=True)
+            for name in names:
+                document = tomllib.loads(jobs[name].read_text(encoding="utf-8"))
+                description = document.get("description", "")
+                if word.casefold() in f"{name} {description}".casefold():
+                    say(f"{name:<{width}}  {description}")
+                    found += 1
+        if not word and not paper:
+            series = counted(len(template_groups()[PAPER]), "job")
+            say(f"{series} more of the paper's series: `quadfold templates --paper`", error=True)
         if not found:
             raise InvalidJob(
                 f"none of the {len(jobs)} shipped jobs has {shortened(word)!r} in its name or "

@@ -16,7 +16,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fab.catalogue import shipped
+from fab.catalogue import shipped, shipped_picture
 from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.outputs import Made, write
@@ -133,7 +133,7 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         path = shipped("jobs").get(name)
         if path is None:
             return _refusal(404, "no such template")
-        kept = pictures["folder"] / f"{name}.png"
+        kept = shipped_picture(name) or pictures["folder"] / f"{name}.png"
         if not kept.is_file():
             try:
                 drawn = await _ask(studio.painter, "picture", {"path": str(path)}, _PICTURE_S)

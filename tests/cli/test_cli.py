@@ -105,11 +105,14 @@ def test_bad_input_gives_exit_code_2_and_writes_nothing(here, arguments):
 
 
 def test_templates_are_listed_and_copied(here):
-    result = run("templates")
-    assert result.exit_code == 0
-    lines = result.output.strip().splitlines()
-    assert [line.split()[0] for line in lines] == TEMPLATE_NAMES
+    listed, series = run("templates"), run("templates", "--paper")
+    assert listed.exit_code == series.exit_code == 0
+    lines = [*listed.stdout.splitlines(), *series.stdout.splitlines()]
+    assert sorted(line.split()[0] for line in lines) == TEMPLATE_NAMES
     assert all(len(line.split()) > 4 for line in lines)
+    assert lines[0].startswith("lamp_shade ")
+    assert {"hypar_20", "hypar_160"} <= {line.split()[0] for line in series.stdout.splitlines()}
+    assert "templates --paper" in listed.stderr
     assert run("new", "miura").exit_code == 0
     assert run("new", "miura", "--out", "mine.toml").exit_code == 0
     assert names_in(".") == ["mine.toml", "miura.toml"]

@@ -7,8 +7,8 @@ from fab.jobs.animation_files import AnimationFormat
 from fab.jobs.conversion import WRITTEN
 from fab.jobs.folding_files import SimulationFormat
 from fab.jobs.job_formats import Format
-from fab.jobs.thick_products import ThickFormat
 from fab.jobs.sheet_files import FabricatedFormat
+from fab.jobs.thick_products import ThickFormat
 from made_pages.markdown import table
 
 __all__ = ["formats_page"]
@@ -27,7 +27,8 @@ _PATTERNS = {
 }
 _FILES = {
     "fold": "crease pattern, folded form and states, for simulators and other origami software",
-    "dxf": "sheets for laser cutters and CAD: real segments, millimetres, a layer for each operation",
+    "dxf": "sheets for laser cutters and CAD: real segments, millimetres, a layer for each "
+    "operation",
     "svg": "the same lines in colours",
     "pdf": "the same lines at 1:1",
     "lbrn2": "a LightBurn project with speeds and powers",

@@ -13,12 +13,14 @@ def findings_page() -> str:
     count = sum(len(family) for family in FAMILIES.values())
     out = [
         "# Findings: what they mean, and what to do\n",
-        f"Reports, pages and the terminal name what was found by one of {count} codes, in lines such "
-        "as `warning: fold-blocked: panels fold to 64 % of the target ...`. An **error** means that "
-        "the files should not be used as they are, and makes the exit code 1; a **warning**, that "
-        "something may not be as you want it; a **note** states what was done. The text of each has "
-        "its numbers and places. `quadfold findings fold-blocked` shows what is below at the "
-        "terminal; reports list findings under `findings`.\n",
+        f"Reports, pages and the terminal name what was found by one of {count} codes, in lines "
+        "such as `warning: fold-blocked: panels fold to 64 % of the target ...`.\n\n"
+        "- An **error** means that the files should not be used as they are, and makes the exit "
+        "code 1.\n"
+        "- A **warning** means that something may not be as you want it.\n"
+        "- A **note** states what was done.\n\n"
+        "The text of each has its numbers and places. `quadfold findings fold-blocked` shows what "
+        "is below at the terminal; reports list findings under `findings`.\n",
     ]
     for title, family in FAMILIES.items():
         out.append(f"## {title}\n")

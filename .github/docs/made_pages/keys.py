@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from fab.jobs.design_settings import SHIPPED_DESIGNS, ParameterSettings
 from fab.jobs.job import Job
-from fab.printing.printers import PrintMaterial, Printer
+from fab.printing.printers import Printer, PrintMaterial
 from fab.settings import Settings, alternatives
 from fab.sheets.materials import Machine, Material
 from fab.studio.form_fields import documented
@@ -41,9 +41,12 @@ _UNITS = {
 }
 _BOUNDS = {"gt": "> {}", "ge": "≥ {}", "lt": "< {}", "le": "≤ {}"}
 _JOB = (
-    "A job is a TOML file of these tables; [the guide](../guide/jobs.md) has a complete one. `name`, "
-    "`design.kind` and a size of the `sheet` are needed, everything else has a default. Unknown keys "
-    "are refused, with the nearest known one. `--set design.rows=12` changes a key for one run, and "
+    "A job is a TOML file of these tables; [the guide](../guide/jobs.md) has a complete one. "
+    "`name`, "
+    "`design.kind` and a size of the `sheet` are needed, everything else has a default. Unknown "
+    "keys "
+    "are refused, with the nearest known one. `--set design.rows=12` changes a key for one run, "
+    "and "
     "[a sweep](sweep_keys.md) varies any of them."
 )
 
@@ -55,19 +58,22 @@ def keys_pages() -> dict[str, str]:
         "design_keys.md": _designs(),
         "material_keys.md": _page(
             "Keys of materials",
-            "A material is a TOML file: copy [a shipped one](materials.md) and give its path in place "
+            "A material is a TOML file: copy [a shipped one](materials.md) and give its path in "
+            "place "
             "of the name.",
             [("Sheets to cut", Material), ("Print materials", PrintMaterial)],
         ),
         "machine_keys.md": _page(
             "Keys of machines and printers",
-            "A machine is a TOML file: copy [a shipped one](machines.md) and give its path in place of "
+            "A machine is a TOML file: copy [a shipped one](machines.md) and give its path in "
+            "place of "
             "the name.",
             [("Cutters and plotters", Machine), ("3D printers", Printer)],
         ),
         "sweep_keys.md": _page(
             "Keys of a sweep",
-            "A sweep is a TOML file beside its base job; [the guide](../guide/sweeps.md) has a complete "
+            "A sweep is a TOML file beside its base job; [the guide](../guide/sweeps.md) has a "
+            "complete "
             "one.",
             [("", Sweep)],
         ),
@@ -78,7 +84,10 @@ def missing_texts() -> list[str]:
     """Keys of all pages that say nothing of themselves."""
     models: list[tuple[str, type[Settings]]] = [
         *((f"design.{kind}", model) for kind, model in SHIPPED_DESIGNS.items()),
-        *((each.__name__, each) for each in (Job, Material, PrintMaterial, Machine, Printer, Sweep)),
+        *(
+            (each.__name__, each)
+            for each in (Job, Material, PrintMaterial, Machine, Printer, Sweep)
+        ),
     ]
     return [
         f"{name}: {key}"
@@ -110,7 +119,7 @@ def _page(title: str, about: str, models: list[tuple[str, type[Settings]]]) -> s
                 name = ".".join(path)
                 out.append(f"{level} [{name}]\n".replace("[", "\\["))
                 out.append(docstring(_own_text(inner)) + "\n")
-            rows = [_row(key, info, text, path) for key, (info, text) in _fields(inner).items()]
+            rows = [_row(key, info, text) for key, (info, text) in _fields(inner).items()]
             out.append(table(_HEAD, rows))
     return "\n".join(out)
 
@@ -118,7 +127,8 @@ def _page(title: str, about: str, models: list[tuple[str, type[Settings]]]) -> s
 def _designs() -> str:
     out = [
         "# Keys of designs\n",
-        "The table `[design]` of a job: `kind` is the name of a design, the others are its own keys. "
+        "The table `[design]` of a job: `kind` is the name of a design, the others are its own "
+        "keys. "
         "[The guide](../guide/jobs.md) says what each design is for.\n",
     ]
     for kind, model in SHIPPED_DESIGNS.items():
@@ -126,18 +136,18 @@ def _designs() -> str:
         text = (inspect.getdoc(model.design_class) or "").partition("Attributes\n---")[0]
         out += [anchor(f"design-{kind}") + f"## {kind}\n", docstring(text) + "\n"]
         fields = _fields(model)
-        rows = [_row(key, info, said, ()) for key, (info, said) in fields.items() if key != "kind"]
+        rows = [_row(key, info, said) for key, (info, said) in fields.items() if key != "kind"]
         out.append(table(_HEAD, rows))
         for path, inner in _tables(model, ()):
             if path:
                 out.append(f"### {kind}: \\[{'.'.join(path)}]\n")
-                rows = [_row(key, info, said, path) for key, (info, said) in _fields(inner).items()]
+                rows = [_row(key, info, said) for key, (info, said) in _fields(inner).items()]
                 out.append(table(_HEAD, rows))
     return "\n".join(out)
 
 
 def _tables(model: type[Settings], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """A table, and those within it; of a choice of several, each. A design has a page of its own."""
+    """A table, and those within it; of a choice each. A design has a page of its own."""
     yield path, model
     for key, info in model.model_fields.items():
         if key == "design" or key in path:
@@ -192,7 +202,7 @@ def _own_text(model: type[Settings]) -> str:
     return inspect.cleandoc(own).partition("Attributes\n---")[0] if own else ""
 
 
-def _row(key: str, info: FieldInfo, text: str, path: tuple[str, ...]) -> list[str]:
+def _row(key: str, info: FieldInfo, text: str) -> list[str]:
     return [
         f"`{key}`",
         _value(info.annotation),
@@ -214,16 +224,18 @@ def _value(annotation: Any) -> str:
             words += [f"`{name.value}`" for name in each]
         elif isinstance(each, type) and issubclass(each, Settings):
             words.append("table")
-        elif origin is list:
-            words.append(f"list of {_value(get_args(each)[0])}")
-        elif origin is tuple and get_args(each)[-1] is Ellipsis:
+        elif origin is list or (origin is tuple and get_args(each)[-1] is Ellipsis):
             words.append(f"list of {_value(get_args(each)[0])}")
         elif origin is tuple:
-            words.append(f"{len(get_args(each))} × {_value(get_args(each)[0])}")
+            words.append(f"{len(get_args(each))} x {_value(get_args(each)[0])}")
         elif origin is dict or each is dict:
             words.append("table")
         else:
-            words.append({bool: "true, false", int: "whole number", float: "number", str: "text"}.get(each, "any"))
+            words.append(
+                {bool: "true, false", int: "whole number", float: "number", str: "text"}.get(
+                    each, "any"
+                )
+            )
     return ", ".join(dict.fromkeys(words))
 
 
@@ -233,7 +245,9 @@ def _bounds(info: FieldInfo) -> list[str]:
     for each in alternatives(info.annotation):
         for inner in get_args(each) if get_origin(each) in (list, tuple) else ():
             if get_origin(inner) is Annotated:
-                metadata += [m for part in get_args(inner)[1:] for m in getattr(part, "metadata", [part])]
+                metadata += [
+                    m for part in get_args(inner)[1:] for m in getattr(part, "metadata", [part])
+                ]
     found = [
         text.format(f"{getattr(limit, name):g}")
         for limit in metadata

@@ -42,7 +42,9 @@ def _block(block: str) -> str:
     lines = block.strip("\n").split("\n")
     if all(line.startswith("    ") for line in lines) or any("|---" in line for line in lines):
         return block if "|---" in block else f"```text\n{_dedented(block)}\n```"
-    if any(re.match(r"^ {4,}\S", line) and not _continues(lines, i) for i, line in enumerate(lines)):
+    if any(
+        re.match(r"^ {4,}\S", line) and not _continues(lines, i) for i, line in enumerate(lines)
+    ):
         return f"```text\n{block}\n```"
     if any(_ENTRY.match(line) for line in lines):
         return _entries(lines)

@@ -60,8 +60,10 @@ def mathematics_page() -> str:
     """What the docstrings of the solver say of its mathematics, in the order of the paper."""
     out = [
         "# The mathematics\n",
-        "What the solver computes, and where in the paper it is: section and equation numbers are of "
-        "the supplementary information of L. H. Dudte, G. P. T. Choi and L. Mahadevan, *An additive "
+        "What the solver computes, and where in the paper it is: section and equation numbers "
+        "are of "
+        "the supplementary information of L. H. Dudte, G. P. T. Choi and L. Mahadevan, *An "
+        "additive "
         "algorithm for origami design*, PNAS 118 (2021). The text is that of the code's own "
         "docstrings. Angles are in radians.\n",
     ]
@@ -70,7 +72,11 @@ def mathematics_page() -> str:
         for name in names:
             module, _, inner = name.partition(".")
             thing = importlib.import_module(f"solver.{module}")
-            if inner and hasattr(thing, inner) and not isinstance(getattr(thing, inner), ModuleType):
+            if (
+                inner
+                and hasattr(thing, inner)
+                and not isinstance(getattr(thing, inner), ModuleType)
+            ):
                 out += [f"### {inner}\n", _text(getattr(thing, inner)) + "\n"]
                 continue
             thing = importlib.import_module(f"solver.{name}")
@@ -123,6 +129,7 @@ def _signature(name: str, thing: Any) -> str:
         return ""
     parameters = parameters.removesuffix(" -> None") if inspect.isclass(thing) else parameters
     shown = re.sub(r"<(\w+)\.(\w+): [^>]*>", r"\1.\2", f"{name}{parameters}".replace("'", ""))
+    shown = re.sub(r"<(?:function|class) ([\w.]+)(?: at 0x\w+)?>", r"\1", shown)
     if len(shown) <= 88 or "(" not in shown:
         return shown
     inside, _, after = shown.partition("(")[2].rpartition(")")
@@ -151,7 +158,9 @@ def _parameters(member: Any) -> str:
 
 
 def _first_line(member: Any) -> str:
-    if not (inspect.isfunction(member) or isinstance(member, property | classmethod | staticmethod)):
+    if not (
+        inspect.isfunction(member) or isinstance(member, property | classmethod | staticmethod)
+    ):
         return ""
     return (inspect.getdoc(member) or "").partition("\n\n")[0].partition("\n")[0]
 

@@ -13,12 +13,14 @@ __all__ = ["stock_page"]
 _ABOUT = {
     "materials": (
         "Materials",
-        "Sheets are what is cut (`--material`, `[cutter]`), print materials what panels are printed of "
+        "Sheets are what is cut (`--material`, `[cutter]`), print materials what panels are "
+        "printed of "
         "(`[printer]`). [Their keys](material_keys.md) are the same for your own.",
     ),
     "machines": (
         "Machines and printers",
-        "Cutters are lasers and knife plotters (`--machine`, `[cutter]`), printers are for thick panels "
+        "Cutters are lasers and knife plotters (`--machine`, `[cutter]`), printers are for "
+        "thick panels "
         "(`--printer`, `[printer]`). [Their keys](machine_keys.md) are the same for your own.",
     ),
 }
@@ -38,7 +40,8 @@ def stock_page(folder: Literal["materials", "machines"]) -> str:
     out = [
         f"# {title}\n",
         about + f" `quadfold shipped {folder}` lists the names. Values that differ from machine to "
-        "machine are starting points: [a test card](../guide/laser_sheets.md) finds the right ones.\n",
+        "machine are starting points: [a test card](../guide/laser_sheets.md) finds the right "
+        "ones.\n",
     ]
     for kind, heading in _TITLES.items():
         names = [name for name in files if kinds.get(name) == kind]
