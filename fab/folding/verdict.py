@@ -24,7 +24,7 @@ from fab.pattern.kinematics import unknown_angles
 from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["PathPoint", "Verdict", "findings_of", "folded_form", "judge"]
+__all__ = ["PathPoint", "Verdict", "enough_deg", "findings_of", "folded_form", "judge"]
 
 _DEFAULT = Tolerance()
 # A text names up to this many vertices.
@@ -216,7 +216,7 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
             cause = "Its angles close but for vertices that are"
         off = max(each.distance_mm for each in misplaced)
         return (
-            f"{cause} off by up to about {off:.2g} mm: --tolerance-deg {_enough_deg(verdict):g} "
+            f"{cause} off by up to about {off:.2g} mm: --tolerance-deg {enough_deg(verdict):g} "
             "accepts that."
         )
     if verdict.open_vertices:
@@ -231,7 +231,7 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
     return "Its angles close, so there may be another path to the target: take more steps."
 
 
-def _enough_deg(verdict: Verdict) -> float:
+def enough_deg(verdict: Verdict) -> float:
     """The tolerance with which a fold is at its target, its first digit rounded up."""
     default = _DEFAULT.angle_deg
     share = max(

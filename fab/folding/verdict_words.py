@@ -8,7 +8,7 @@ pushed over beside that of folding all its creases.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -16,16 +16,19 @@ import numpy as np
 
 from fab.errors import Finding, Severity
 from fab.folding.bending import Bend, largest_bend
+from fab.folding.misplaced_vertices import misplaced_vertices
 from fab.folding.quasi_static import Folding
 from fab.folding.rigid_motion import RigidMotion, RigidVerdict
 from fab.folding.tolerance import Tolerance
-from fab.folding.verdict import Verdict
+from fab.folding.verdict import Verdict, enough_deg
 
 __all__ = ["Barrier", "Bearer", "VerdictKind", "VerdictWords", "energy_barrier", "in_words"]
 
 # A fold snaps where the energy of its sheet rises to this share of that of folding all creases, and
 # falls to less than half of it. Shipped designs that bend on their way stay below 0.6 of it.
 _SNAP = 1e-2
+# A fold that misses by less nearly gets there.
+_NEARLY_DEG = 2.0
 # Faces that bend by a smaller share of the sheet are flat.
 _FLAT_REL = 1e-6
 # A sentence names up to so many sheets.
@@ -41,6 +44,7 @@ class VerdictKind(StrEnum):
     SNAPS = "snaps"
     STOPPED = "is-stopped"
     UNORDERED = "cannot-lie-flat"
+    VERTICES_OFF = "vertices-off"
     MISSES = "does-not-reach-its-target"
 
 
@@ -167,12 +171,17 @@ def in_words(
         bend.strain + bend.curvature_per_mm * sheet.thickness_mm / 2 for sheet in sheets
     )
     kind = _kind(verdict, motion, bend, barrier, frame.size_mm, tolerance)
+    off = _vertices_off(folding, verdict) if kind is VerdictKind.MISSES else ""
+    if off:
+        kind = VerdictKind.VERTICES_OFF
     if _text_of(findings, _STOPPED):
         kind = VerdictKind.STOPPED
     elif kind is not VerdictKind.MISSES and _text_of(findings, VerdictKind.UNORDERED, errors=True):
         kind = VerdictKind.UNORDERED
-    made = VerdictWords(kind, "", bend, barrier, tuple(sheets), strains)
-    return VerdictWords(kind, _text(made, motion, findings), bend, barrier, tuple(sheets), strains)
+    made = VerdictWords(kind, off, bend, barrier, tuple(sheets), strains)
+    if kind is VerdictKind.VERTICES_OFF:
+        return made
+    return replace(made, text=_text(made, motion, findings))
 
 
 def _kind(
@@ -193,6 +202,23 @@ def _kind(
     if barrier is not None and barrier.snaps:
         return VerdictKind.SNAPS
     return VerdictKind.BENDS
+
+
+def _vertices_off(folding: Folding, verdict: Verdict) -> str:
+    """That a fold nearly gets there, and misses by vertices off their places; else empty."""
+    if not verdict.open_vertices or enough_deg(verdict) > _NEARLY_DEG:
+        return ""
+    sheet = folding.frame.sheet
+    own = np.flatnonzero(np.isin(sheet.vertices_source, verdict.open_vertices))
+    found = misplaced_vertices(sheet.pattern, own)
+    if len(found) < len(own):
+        return ""
+    worst = max(found, key=lambda each: each.distance_mm)
+    vertex = int(sheet.vertices_source[worst.vertex])
+    return (
+        f"folds but for vertices off their places, by up to about {worst.distance_mm:.2g} mm "
+        f"(vertex {vertex}): --tolerance-deg {enough_deg(verdict):g} accepts that"
+    )
 
 
 def _text(words: VerdictWords, motion: RigidMotion, findings: Sequence[Finding]) -> str:

@@ -127,6 +127,16 @@ def test_the_vertex_that_is_off_its_place_is_found_with_its_distance(name, verte
     assert 0.4e-3 * size < worst.distance_mm < 1.2e-3 * size
 
 
+def test_a_fold_that_misses_by_a_vertex_says_so():
+    pattern = pattern_of("miura")
+    coords = pattern.vertices_coords.copy()
+    coords[15] += [0.06, 0.08]
+    words = worded(replace(pattern, vertices_coords=coords))
+    assert words.kind is VerdictKind.VERTICES_OFF
+    assert words.text.startswith("folds but for vertices off their places, by up to about 0.1 mm")
+    assert "(vertex 15): --tolerance-deg " in words.text
+
+
 def test_angles_that_are_wrong_are_no_vertices_off_their_places():
     pattern = pattern_of("miura")
     inner = np.isfinite(vertices_closure_rad(pattern))
