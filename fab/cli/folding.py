@@ -64,6 +64,17 @@ __all__ = ["animate", "simulate"]
     "each degree.",
 )
 @click.option(
+    "--contact/--no-contact",
+    default=None,
+    help="Faces stop each other, or pass through each other (default: stop, where they would).",
+)
+@click.option(
+    "--thickness-mm",
+    default=None,
+    type=click.FloatRange(0, 1000),
+    help="Of the sheet, which keeps touching layers apart (default: 0).",
+)
+@click.option(
     "--material",
     type=StockName("sheet"),
     default=None,
@@ -87,6 +98,8 @@ def simulate(
     tolerance_deg: float | None,
     material: str | None,
     loads: Mapping[str, Any],
+    contact: bool | None,
+    thickness_mm: float | None,
     size: Size,
     options: ReadOptions,
     only: tuple[str, ...],
@@ -118,7 +131,12 @@ def simulate(
         if job is not None:
             _require_none(file, options, size)
         name = plain_title(file.stem) if job is None else job.name
-        settings = with_loads(_settings(job, states), loads)
+        if chosen is not Solver.QUASI_STATIC and (contact or thickness_mm is not None):
+            raise InvalidJob("--contact is of the quasi-static solver: leave out the other one.")
+        given = {"contact": contact, "thickness_mm": thickness_mm}
+        settings = with_loads(_settings(job, states), loads).model_copy(
+            update={key: value for key, value in given.items() if value is not None}
+        )
         if material is None and job is not None and job.cutter is not None:
             material = job.cutter.material
 

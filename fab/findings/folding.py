@@ -95,6 +95,29 @@ FOLDING = (
         "Fold the sheet in another order; where the last state crosses, change the pattern.",
     ),
     Explanation(
+        "stopped-by-contact",
+        (WARNING, ERROR),
+        "Faces press on each other and keep the sheet from its target.",
+        "In every order of folding that was tried they are in each other's way. It is an error "
+        "where the stopped fold is what is shown (--contact).",
+        "Look at the two faces in the state that the text names: fold other creases first, or "
+        "change the pattern.",
+    ),
+    Explanation(
+        "folded-in-contact",
+        (NOTE,),
+        "The sheet is folded so that its faces do not pass through each other.",
+        "Without contact they would; with it the sheet reaches its target.",
+        "Nothing; --no-contact shows the fold without it.",
+    ),
+    Explanation(
+        "contact-not-possible",
+        (WARNING,),
+        "The fold is simulated without contact.",
+        "The flat sheet overlaps itself: no face there is above the other.",
+        "Cut the sheet into pieces, or simulate with --no-contact.",
+    ),
+    Explanation(
         "strained-on-the-way",
         (NOTE,),
         "The sheet is stretched on its way, and relaxed at its end.",

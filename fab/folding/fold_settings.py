@@ -25,9 +25,19 @@ class Stiffness(Settings):
 
 
 class FoldSettings(Stiffness):
-    """Stiffness, the number of steps from flat to folded, and what the folded sheet carries."""
+    """Stiffness, the number of steps from flat to folded, contact, and what the sheet carries."""
 
     steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
+    contact: bool | None = Field(
+        default=None,
+        description="whether faces stop each other; left out, where they cross in a fold without",
+    )
+    thickness_mm: float = Field(
+        default=0.0,
+        ge=0,
+        le=1000,
+        description="of the sheet in contact, how far the middles of layers stay apart",
+    )
     loads: LoadSettings | None = Field(
         default=None, description="what the folded sheet carries; nothing where left out"
     )

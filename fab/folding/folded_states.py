@@ -48,8 +48,9 @@ _NOT_RIGID = Finding(
 )
 # Creases this much softer than faces leave the faces nearly plane wherever the pattern allows it:
 # corners are 20 to 50 times nearer to rigid faces than with the stiffness of paper, which a job's
-# own simulation has. So the two are different folds, and a job may need both.
-SOFT = FoldSettings(crease=0.01)
+# own simulation has. So the two are different folds, and a job may need both. What panels run into
+# is checked by their bodies.
+SOFT = FoldSettings(crease=0.01, contact=False)
 # Rigid faces miss their places by less than this share of the sheet.
 _BENT_REL = 1e-9
 # Faces that bend by less are flat.

@@ -18,6 +18,7 @@ from typing import Protocol
 import numpy as np
 
 from fab.folding.bar_hinge_model import Energy, Framework
+from fab.folding.contact.stops import Stop
 from fab.folding.newton_system import NewtonSystem
 from fab.folding.potentials import Potential, energy_of, free_share
 from fab.folding.rest import relaxed
@@ -27,6 +28,7 @@ from solver.errors import require_count
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = [
+    "FARTHEST_RAD",
     "Checkpoint",
     "FoldState",
     "Folding",
@@ -40,7 +42,7 @@ __all__ = [
 ]
 
 # Hinges turn by no more from load to load.
-_FARTHEST_RAD = np.radians(20.0)
+FARTHEST_RAD = np.radians(20.0)
 
 # Systems that a load takes at first guess.
 _USUAL = 3.0
@@ -79,13 +81,21 @@ class FoldState:
 class Folding:
     """A fold from flat: its states, the flat one first.
 
+    Attributes
+    ----------
     in_turn : whether the hinges were driven along a folding path (`fab.folding.folding_path`), not
         all at one rate.
+    stopped : where contact keeps the sheet from its target; None where it does not, or was not
+        looked at.
+    layers_rel : how far layers that touch at the end are apart, relative to the framework's size; 0
+        without contact.
     """
 
     frame: Framework
     states: tuple[FoldState, ...]
     in_turn: bool = False
+    stopped: Stop | None = None
+    layers_rel: float = 0.0
 
     @property
     def iterations(self) -> int:
@@ -165,7 +175,7 @@ def fold(
     if path is None:
         path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
     length = float(largest_turns(path).sum())
-    per_step = max(1, int(np.ceil(length / (_FARTHEST_RAD * steps))))
+    per_step = max(1, int(np.ceil(length / (FARTHEST_RAD * steps))))
     loads = per_step * steps
     keeper = None if potentials or held is not None else checkpoint
     reached = keeper.begin(frame, path, loads, per_step) if keeper else None

@@ -9,7 +9,7 @@ it gains, relative to the sum of all absolute energies, so that these may be neg
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,11 @@ _ROUNDING = 1e-12
 _ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
 # A step that can gain no more than this share of the energies cannot be told from rounding.
 _NO_GAIN = np.finfo(float).eps
+# Where a potential leaves less than this share of a step, the step is longer than its linear model
+# holds: the next ones are damped by this at least.
+_CUT_SHORT, _CUT_DAMPING = 0.3, 1e-6
+# The least energy along a step is looked for between these parts of it.
+_LEAST_PART, _NEARLY_ALL = 0.1, 0.9
 # A step that raises the energy is tried shorter before it is damped.
 _LENGTHS = (1.0, 0.5, 0.25, 0.125)
 
@@ -73,6 +78,7 @@ def relaxed(
     fixed: BoolArray | None = None,
     system: NewtonSystem | None = None,
     watch: Callable[[int], None] = _unwatched,
+    most: int | None = None,
 ) -> Rest:
     """The local minimum of energy near to `coords`, shape (nv, 3).
 
@@ -85,9 +91,10 @@ def relaxed(
     system : that of the framework and its fixed vertices, where several loads share it.
     watch : called before each system with the number of those that are solved; an exception that
         it raises ends the fold.
+    most : the largest number of steps; 150 where left out, 400 at the full load.
     """
     system = system or NewtonSystem(frame, fixed)
-    most = _MOST_AT_LAST if last else _MOST
+    most = most or (_MOST_AT_LAST if last else _MOST)
     energy = energy_of(frame, coords, target, potentials)
     accepted = [energy.total]
     damping = _FIRST_DAMPING
@@ -101,7 +108,8 @@ def relaxed(
         step = here.step(damping)
         taken = None
         if step is not None:
-            taken = _lower(frame, coords, step, target, potentials, energy)
+            slope = float(np.sum(here.gradient * step))
+            taken = _lower(frame, coords, step, target, potentials, energy, slope)
         if taken is None or step is None:
             if step is not None and _no_more(here, step, damping, energy):
                 return Rest(coords, tuple(accepted), solved, True)
@@ -113,26 +121,29 @@ def relaxed(
         share = (energy.total - taken.energy.total) / max(energy.scale, taken.energy.scale)
         energy = taken.energy
         accepted.append(energy.total)
-        if not taken.hindered and (
+        if taken.free == 1 and (
             np.abs(step).max() < _ROUNDING
             or (not last and damping < _TRUSTED_DAMPING and share < _SETTLED)
         ):
             return Rest(coords, tuple(accepted), solved, True)
-        if taken.length < 1:
+        if taken.free < 1:
+            if taken.length * taken.free < _CUT_SHORT:
+                damping = max(10 * damping, _CUT_DAMPING)
+        elif taken.length < 1:
             damping = 10 * damping
-        elif not taken.hindered:
+        else:
             damping = max(damping / 10, _LEAST_DAMPING)
     return Rest(coords, tuple(accepted), most, False)
 
 
 @dataclass(frozen=True)
 class _Taken:
-    """A step that lowers the energy: where to, which part of what was allowed, if less than all."""
+    """A step that lowers the energy: where to, what share of it is free, which part of that."""
 
     coords: FloatArray
     energy: Energy
     length: float
-    hindered: bool
+    free: float
 
 
 def _lower(
@@ -142,15 +153,46 @@ def _lower(
     target: FloatArray,
     potentials: Sequence[Potential],
     before: Energy,
+    slope: float,
 ) -> _Taken | None:
-    """The longest part of a step that lowers the energy; None where none does."""
+    """The longest part of a step that lowers the energy; None where none does.
+
+    slope : of the energy along the step. Under potentials, whose curvature may be less than that of
+    their energy, the step ends where a parabola has its least energy, if that is lower still.
+    """
     free = free_share(potentials, coords, step)
     for length in _LENGTHS:
         there = coords + length * free * step
         energy = energy_of(frame, there, target, potentials)
         if energy.total < before.total:
-            return _Taken(there, energy, length, free < 1)
+            taken = _Taken(there, energy, length, free)
+            return _shorter(frame, coords, step, target, potentials, before, slope, taken)
     return None
+
+
+def _shorter(
+    frame: Framework,
+    coords: FloatArray,
+    step: FloatArray,
+    target: FloatArray,
+    potentials: Sequence[Potential],
+    before: Energy,
+    slope: float,
+    taken: _Taken,
+) -> _Taken:
+    """The part of a step at the least energy of a parabola, where that is lower than at its end."""
+    part = taken.length * taken.free
+    bend = taken.energy.total - before.total - part * slope
+    if not potentials or taken.free < 1 or bend <= 0:
+        return taken
+    least = -slope * part / (2 * bend)
+    if not _LEAST_PART < least < _NEARLY_ALL:
+        return taken
+    there = coords + least * part * step
+    energy = energy_of(frame, there, target, potentials)
+    return (
+        replace(taken, coords=there, energy=energy) if energy.total < taken.energy.total else taken
+    )
 
 
 def _no_more(here: Linearised, step: FloatArray, damping: float, energy: Energy) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fab.errors import Finding
 from fab.folding.bar_hinge_model import Framework, framework
+from fab.folding.contact.past_contact import fold_past_contact
 from fab.folding.dynamics import fold_dynamically
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import closing_path
@@ -28,6 +29,8 @@ __all__ = ["Solver", "fold_and_judge", "fold_rigidly_and_judge"]
 
 # Folding paths of more hinges take minutes to find.
 _MOST_HINGES = 2000
+# Larger sheets are folded in contact only on request.
+_MOST_HINGES_IN_CONTACT = 1000
 
 
 class Solver(StrEnum):
@@ -50,11 +53,12 @@ def fold_and_judge(
 
     By the first two solvers; the third is `fold_rigidly_and_judge`. A sheet that gets stuck when
     all its creases fold at once is folded again, along a folding path (up to 2,000 hinges,
-    quasi-static only).
+    quasi-static only). With `settings.contact`, or where it is None and faces pass through each
+    other, it is folded again in contact (`fab.folding.contact.past_contact`).
 
     pattern : in millimetres.
     tolerance : how exactly the target must be reached; by default 0.1 degrees.
-    progress : called with the stages "fold", "judge" and, for a folding path, "order".
+    progress : called with the stages "fold", "judge", "order" for a folding path, and "contact".
     checkpoint : what keeps a quasi-static fold, as for `fab.folding.quasi_static.fold`.
 
     Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a face
@@ -74,11 +78,26 @@ def fold_and_judge(
         folding, verdict = _along_a_path(
             folding, verdict, settings.steps, progress, tolerance, checkpoint
         )
+    held: list[Finding] = []
+    if solver is Solver.QUASI_STATIC and _contact_wanted(settings, frame, verdict):
+        folding, verdict, held = fold_past_contact(folding, verdict, settings, progress, tolerance)
     findings = [
         *inspect_form(frame, tolerance),
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
+        *held,
     ]
     return folding, verdict, findings
+
+
+def _contact_wanted(settings: FoldSettings, frame: Framework, verdict: Verdict) -> bool:
+    """Whether a sheet is folded again in contact.
+
+    By default where faces cross on the way, up to 1,000 hinges.
+    """
+    if settings.contact is not None:
+        return settings.contact
+    few = len(frame.hinges_edge) <= _MOST_HINGES_IN_CONTACT
+    return few and any(point.crossings for point in verdict.path)
 
 
 def fold_rigidly_and_judge(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from solver.errors import require_positive
 
@@ -11,6 +13,11 @@ __all__ = ["Tolerance"]
 # Of an angle of 0.1 degrees.
 _PER_DEG = 1e-3
 _CLOSURE_PER_DEG = 1e-2
+# Layers that lie on each other keep a distance h, relative to the sheet. A layer within a fold
+# moves out of its crease by x, where both sides have the angle h / x between them: what bends and
+# what stretches balance at x ~ sqrt(h), so that angles, in radians, and the shape are off by about
+# as much, and strains by less (measured on bases and twists).
+_LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 4.0, 1.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -22,9 +29,12 @@ class Tolerance:
     Attributes
     ----------
     angle_deg : of a crease's angle; the others are in proportion to it.
+    layers_rel : how far layers that lie on each other are apart, relative to the sheet; 0 without
+        contact.
     """
 
     angle_deg: float = 0.1
+    layers_rel: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive("tolerance_deg", self.angle_deg)
@@ -32,12 +42,21 @@ class Tolerance:
     @property
     def shape_rel(self) -> float:
         """Of the shape, relative to its diagonal; 1e-4 by default."""
-        return _PER_DEG * self.angle_deg
+        return _PER_DEG * self.angle_deg + _LAYERS_SHAPE * float(np.sqrt(self.layers_rel))
+
+    @property
+    def crease_deg(self) -> float:
+        """Of a crease's angle, with the room that layers in contact take."""
+        return self.angle_deg + float(np.degrees(_LAYERS_RAD * np.sqrt(self.layers_rel)))
+
+    def with_layers(self, layers_rel: float) -> Tolerance:
+        """The same for a sheet whose layers are layers_rel apart."""
+        return replace(self, layers_rel=layers_rel)
 
     @property
     def strain(self) -> float:
         """Of lengths, relative; 1e-4 by default."""
-        return _PER_DEG * self.angle_deg
+        return _PER_DEG * self.angle_deg + _LAYERS_STRAIN * float(np.sqrt(self.layers_rel))
 
     @property
     def closure_rad(self) -> float:

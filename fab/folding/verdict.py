@@ -15,6 +15,7 @@ import numpy as np
 
 from fab.errors import Finding, Severity, counted, first_few
 from fab.folding.bar_hinge_model import Framework
+from fab.folding.contact.stops import Stop
 from fab.folding.misplaced_vertices import Misplaced
 from fab.folding.quasi_static import Folding, FoldState
 from fab.folding.target_forms import distance_rel, target_form
@@ -80,6 +81,9 @@ class Verdict:
     in_turn : whether the creases were driven along a folding path, since all at once they get
         stuck.
     path : all states, the flat one first.
+    stopped : where contact stops the sheet; None where it does not, or was not looked at.
+    layers_rel : how far layers that touch at the end are apart, relative to the sheet's diagonal; 0
+        without contact.
     """
 
     reached: bool
@@ -100,6 +104,8 @@ class Verdict:
     iterations: int
     in_turn: bool
     path: tuple[PathPoint, ...]
+    stopped: Stop | None = None
+    layers_rel: float = 0.0
 
     @property
     def in_local_minimum(self) -> bool:
@@ -120,8 +126,12 @@ class Verdict:
 
 
 def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
-    """Judge a fold against its pattern's angles and folded form (`target_form`)."""
+    """Judge a fold against its pattern's angles and folded form (`target_form`).
+
+    Layers that are in contact at its end take room: they are allowed for (`Tolerance.with_layers`).
+    """
     frame = folding.frame
+    allowed = tolerance.with_layers(folding.layers_rel)
     sheet, kinematics = frame.sheet, frame.kinematics
     last = folding.states[-1]
     creases, off_deg = _crease_errors(frame, last.coords)
@@ -131,8 +141,8 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
     worst = float(np.abs(off_deg).max(initial=0.0))
     rmsd = distance_rel(frame, last.coords, target_form(frame, tolerance))
     peak = max(folding.states, key=lambda state: state.strain_peak)
-    reached = worst <= tolerance.angle_deg and last.strain_max <= tolerance.strain
-    reached = reached and (rmsd or 0.0) <= tolerance.shape_rel
+    reached = worst <= allowed.crease_deg and last.strain_max <= allowed.strain
+    reached = reached and (rmsd or 0.0) <= allowed.shape_rel
     open_vertices = _worst_first(kinematics.vertices_closure_rad, tolerance.closure_rad)
     return Verdict(
         reached and last.settled,
@@ -141,7 +151,7 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
         last.strain_max,
         _facet_bending_deg(frame, last.coords),
         _numbers(sheet.edges_source[wrong]),
-        _numbers(sheet.edges_source[creases[_worst_first(np.abs(off_deg), tolerance.angle_deg)]]),
+        _numbers(sheet.edges_source[creases[_worst_first(np.abs(off_deg), allowed.crease_deg)]]),
         worst,
         max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[open_vertices]),
@@ -153,6 +163,8 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
         folding.iterations,
         folding.in_turn,
         tuple(_path_point(frame, state) for state in folding.states),
+        folding.stopped,
+        folding.layers_rel,
     )
 
 

@@ -1,0 +1,264 @@
+"""Quasi-static folding in contact: from rest to rest, and no step crosses anything.
+
+As `fab.folding.quasi_static.fold`, with the energy of contact (`fab.folding.contact.contact`). On
+the way its barrier reaches a thousandth of the size of the sheet, so that faces feel each other
+before they touch; at the full load it shrinks to a hundredth of that, since layers without
+thickness would otherwise keep their creases open. The sheet is stopped where contact keeps creases
+from going on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fab.folding.bar_hinge_model import Framework
+from fab.folding.contact.contact import Contact
+from fab.folding.contact.stops import Stop, stop_at
+from fab.folding.contact.surface import Surface, surface_of
+from fab.folding.newton_system import NewtonSystem
+from fab.folding.potentials import Potential, energy_of, free_share
+from fab.folding.quasi_static import (
+    FARTHEST_RAD,
+    Folding,
+    FoldState,
+    aligned,
+    flat_state,
+    largest_turns,
+    path_at,
+    state_of,
+)
+from fab.folding.rest import Rest, relaxed
+from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
+from fab.folding.tolerance import Tolerance
+from fab.progress import Steps, no_steps
+from solver.errors import require_count
+from solver.vectors import FloatArray
+
+__all__ = ["REACH_LAST", "fold_in_contact"]
+
+# Reach of the barrier on the way, and one after another at the full load.
+_REACH = 1e-3
+REACH_LAST = 1e-5
+_REACHES_LAST = (1e-4, REACH_LAST)
+# Most steps at each load: a sheet that needs more is jammed.
+_MOST = 80
+# And while layers that are at rest come nearer at the full load.
+_MOST_NEARER = 40
+# A crease that lags farther behind, while faces press on each other, does not come after.
+_JAMMED_RAD = np.radians(90.0)
+# Creases that are held farther off than this at the full load are not waiting for thinner layers.
+_NEARLY_RAD = np.radians(15.0)
+# A predicted turn is taken in parts, as far as nothing is in the way, in each of which no vertex
+# moves farther than this, relative to the size of the sheet; in up to so many.
+_FAR, _MOST_PARTS = 0.05, 48
+# Halvings of the load at which faces first press.
+_HALVINGS = 7
+
+
+def fold_in_contact(
+    frame: Framework,
+    steps: int = 10,
+    thickness_mm: float = 0.0,
+    progress: Steps = no_steps,
+    path: FloatArray | None = None,
+    potentials: Sequence[Potential] = (),
+) -> Folding:
+    """Fold a framework from flat to its targets, no faces passing through each other.
+
+    The last state is the one in which the sheet is jammed, if it is; `Folding.stopped` says where
+    contact stopped it. At no load does a step raise the energy.
+
+    Parameters
+    ----------
+    steps, progress, path, potentials : as for `fab.folding.quasi_static.fold`.
+    thickness_mm : how far the middles of two layers are apart where they touch.
+
+    Raises `InvalidValue` for less than one step. The flat sheet must not overlap itself.
+    """
+    require_count("steps", steps, 1, "Follow the fold in one step or more.")
+    in_turn = path is not None
+    if path is None:
+        path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    length = float(largest_turns(path).sum())
+    per_step = max(1, int(np.ceil(length / (FARTHEST_RAD * steps))))
+    loads = per_step * steps
+    course = _Course(frame, surface_of(frame, thickness_mm), path, loads, tuple(potentials))
+    state = flat_state(frame, potentials)
+    states = [state]
+    solved, rested, peak = 0, True, 0.0
+    pressing: tuple[int, FloatArray] | None = None
+    for number in range(1, loads + 1):
+        before = state.coords
+        rest = course.rest(before, number / loads, 1 / loads, _watched(progress, number, loads))
+        solved, rested = solved + rest.iterations, rested and rest.settled
+        state = course.state(rest, before, number / loads, solved, rested)
+        peak = max(peak, state.strain_max)
+        presses = course.presses(state.coords)
+        if not presses:
+            pressing = None
+        elif pressing is None:
+            pressing = number, before
+        jammed = presses and (not rest.settled or course.lag(state) > _JAMMED_RAD)
+        if number % per_step == 0 or jammed:
+            states.append(replace(state, strain_peak=peak))
+            solved, rested, peak = 0, True, 0.0
+        if jammed:
+            break
+    progress(loads, loads)
+    held = pressing is not None
+    folding = Folding(frame, tuple(states), in_turn, None, course.room if held else 0.0)
+    allowed = np.radians(Tolerance(layers_rel=course.room).crease_deg)
+    if pressing is None or course.lag(state) <= allowed:
+        return folding
+    return replace(folding, stopped=course.stop(*pressing))
+
+
+class _Course:
+    """The loads of one fold, and what acts on the sheet at each."""
+
+    def __init__(
+        self,
+        frame: Framework,
+        surface: Surface,
+        path: FloatArray,
+        loads: int,
+        potentials: tuple[Potential, ...],
+    ) -> None:
+        driven = frame.hinges_stiffness > 0
+        each = frame.hinges_stiffness[driven] / frame.hinges_length[driven]
+        self._frame, self._path, self._loads = frame, path, loads
+        self._driven = driven
+        self._surface, self._others = surface, potentials
+        # as stiff as creases are: half a reach resists about a radian
+        self._force = float(each.mean()) if len(each) else 1.0
+        self._contact = Contact(surface, _REACH, self._force)
+        self._predictor: RotationPredictor = rotation_predictor(frame)
+        self._system = NewtonSystem(frame)
+
+    @property
+    def room(self) -> float:
+        """How far layers are apart at the full load, relative to the size of the sheet."""
+        return self._surface.gap + REACH_LAST
+
+    def rest(
+        self, before: FloatArray, share: float, part: float, watch: Callable[[int], None]
+    ) -> Rest:
+        """The sheet at rest at a share of the fold, which is a part of it after `before`."""
+        target, rate = path_at(self._path, share)
+        angles = self._frame.angles_near(before, target - part * rate)
+        acting = [*self._others, self._contact]
+        start = self._predicted(before, angles, part * rate, target)
+        rest = self._relaxed(start, target, self._contact, watch)
+        if share < 1 or not rest.settled:
+            return rest
+        if not len(self._contact.touching(rest.coords).room):
+            last = relaxed(
+                self._frame, rest.coords, target, True, acting, system=self._system, watch=watch
+            )
+            return _joined(rest, last)
+        if np.abs(self._off(rest.coords, target)).max(initial=0.0) > _NEARLY_RAD:
+            return rest
+        for reach in _REACHES_LAST:
+            nearer = Contact(self._surface, reach, self._force)
+            last = self._relaxed(rest.coords, target, nearer, watch, _MOST_NEARER)
+            # the sheet is at rest: its layers may go on to come nearer
+            rest = _joined(rest, replace(last, settled=True))
+        return rest
+
+    def _relaxed(
+        self,
+        start: FloatArray,
+        target: FloatArray,
+        contact: Contact,
+        watch: Callable[[int], None],
+        most: int = _MOST,
+    ) -> Rest:
+        return relaxed(
+            self._frame,
+            start,
+            target,
+            False,
+            [*self._others, contact],
+            system=self._system,
+            watch=watch,
+            most=most,
+        )
+
+    def _predicted(
+        self, before: FloatArray, angles: FloatArray, turn: FloatArray, target: FloatArray
+    ) -> FloatArray:
+        """The sheet with as much of a turn as nothing is in the way of, if that helps."""
+        acting = [*self._others, self._contact]
+        there = before
+        far = aligned(self._predictor.coords(angles + turn), before) - before
+        moved = float(np.abs(far).max(initial=0.0))
+        parts = int(np.clip(np.ceil(moved / _FAR), 2, _MOST_PARTS))
+        for number in range(1, parts + 1):
+            turned = aligned(self._predictor.coords(angles + number / parts * turn), there)
+            if free_share(acting, there, turned - there) < 1:
+                break
+            there = turned
+        energies = [energy_of(self._frame, x, target, acting).total for x in (there, before)]
+        return there if energies[0] < energies[1] else before
+
+    def state(
+        self, rest: Rest, before: FloatArray, share: float, solved: int, rested: bool
+    ) -> FoldState:
+        """The state at a share of the fold."""
+        target, _ = path_at(self._path, share)
+        coords = aligned(rest.coords, before)
+        acting = [*self._others, self._contact]
+        return state_of(self._frame, share, coords, target, solved, rested, rest.accepted, acting)
+
+    def presses(self, coords: FloatArray) -> bool:
+        """Whether faces press on each other."""
+        return bool(len(self._contact.touching(coords).room))
+
+    def lag(self, state: FoldState) -> float:
+        """By how much the crease that is farthest behind is off its angle, radians."""
+        target, _ = path_at(self._path, state.load)
+        return float(np.abs(self._off(state.coords, target)).max(initial=0.0))
+
+    def _off(self, coords: FloatArray, target: FloatArray) -> FloatArray:
+        return (self._frame.angles_near(coords, target) - target)[self._driven]
+
+    def stop(self, number: int, before: FloatArray) -> Stop | None:
+        """Where faces began to press on each other, between a load and `before`, the one before."""
+        low, high = (number - 1) / self._loads, number / self._loads
+        found = None
+        for _ in range(_HALVINGS):
+            share = (low + high) / 2
+            rest = self.rest(before, share, share - low, _unwatched)
+            if self.presses(rest.coords):
+                high, found = share, rest.coords
+            else:
+                low, before = share, aligned(rest.coords, before)
+        if found is None:
+            found = self.rest(before, high, high - low, _unwatched).coords
+        return stop_at(self._frame, self._contact, aligned(found, before), high)
+
+
+def _watched(progress: Steps, number: int, loads: int) -> Callable[[int], None]:
+    """What tells at each system that a load is not yet done, and may end the fold."""
+
+    def watch(_: int) -> None:
+        progress(number - 1, loads)
+
+    return watch
+
+
+def _unwatched(_: int) -> None:
+    pass
+
+
+def _joined(first: Rest, then: Rest) -> Rest:
+    """Two rests of one load, one after the other."""
+    return Rest(
+        then.coords,
+        first.accepted + then.accepted,
+        first.iterations + then.iterations,
+        first.settled and then.settled,
+    )

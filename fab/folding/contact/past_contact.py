@@ -1,0 +1,121 @@
+"""A fold whose faces do not pass through each other, in whichever order gets to the target."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from fab.errors import Finding, Severity, counted
+from fab.folding.bar_hinge_model import Framework
+from fab.folding.contact.contact_fold import fold_in_contact
+from fab.folding.contact.fold_orders import fold_orders
+from fab.folding.contact.stops import Stop
+from fab.folding.fold_settings import FoldSettings
+from fab.folding.quasi_static import Folding
+from fab.folding.tolerance import Tolerance
+from fab.folding.verdict import Verdict, judge
+from fab.pattern.overlap import overlapping_faces
+from fab.progress import Progress
+from solver.vectors import IntArray
+
+__all__ = ["flat_overlaps", "fold_past_contact"]
+
+# Sheets of more hinges are folded in contact all at once, in no other order.
+_MOST_HINGES = 300
+
+
+def fold_past_contact(
+    free: Folding,
+    verdict: Verdict,
+    settings: FoldSettings,
+    progress: Progress,
+    tolerance: Tolerance,
+) -> tuple[Folding, Verdict, list[Finding]]:
+    """The fold in contact that reaches its target, or how far one gets, with findings.
+
+    All creases at once, then along the path of the fold without contact if it has one, then in
+    other orders (`fold_orders`, up to 300 hinges). Where none reaches the target, the fold that
+    was stopped last is given with `settings.contact`; else that without contact, with its stop.
+
+    Parameters
+    ----------
+    free, verdict : the fold without contact and its verdict.
+    progress : called with the stages "contact" and "order".
+    """
+    frame = free.frame
+    over = flat_overlaps(frame)
+    if len(over):
+        return free, verdict, [_not_possible(over)]
+    runs = partial(
+        fold_in_contact, frame, settings.steps, settings.thickness_mm, partial(progress, "contact")
+    )
+    first = made = runs()
+    judged = judge(made, tolerance)
+    tried, iterations = 1, free.iterations + made.iterations
+    if verdict.reached and not judged.reached and len(frame.hinges_edge) <= _MOST_HINGES:
+        for path in fold_orders(frame, partial(progress, "order")):
+            made = runs(path)
+            tried, iterations = tried + 1, iterations + made.iterations
+            judged = judge(made, tolerance)
+            if judged.reached:
+                break
+    if judged.reached:
+        crossed = any(point.crossings for point in verdict.path)
+        held = [_in_contact(tried)] if crossed else []
+        return made, replace(judged, iterations=iterations), held
+    stop = first.stopped and replace(first.stopped, orders=tried)
+    findings = [] if stop is None else [_stopped(stop, settings, verdict.reached)]
+    if settings.contact:
+        made = replace(first, stopped=stop)
+        return made, replace(judge(made, tolerance), iterations=iterations), findings
+    return free, replace(verdict, stopped=stop, iterations=iterations), findings
+
+
+def flat_overlaps(frame: Framework) -> IntArray:
+    """Pairs of faces that lie on each other in the flat sheet, shape (n, 2)."""
+    sheet = frame.sheet.pattern
+    return overlapping_faces(
+        sheet.vertices_coords, sheet.faces_vertices, sheet.faces_offsets, sheet.edges
+    )
+
+
+def _not_possible(pairs: IntArray) -> Finding:
+    first, second = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))][0].tolist()
+    more = f", and {counted(len(pairs) - 1, 'more pair')}" if len(pairs) > 1 else ""
+    text = (
+        f"faces {first} and {second} lie on each other in the flat sheet{more}: neither is above "
+        "the other, so that the fold is simulated without contact. Cut the sheet into pieces."
+    )
+    return Finding("contact-not-possible", Severity.WARNING, text, panels=(first, second))
+
+
+def _in_contact(tried: int) -> Finding:
+    order = "in the order in which contact lets its creases fold" if tried == 1 else "in turn"
+    text = (
+        "folded all at once without contact, its faces pass through each other: the sheet is "
+        f"folded {order} instead, and they do not."
+    )
+    return Finding("folded-in-contact", Severity.NOTE, text)
+
+
+def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
+    x, y, z = (f"{value:.4g}" for value in stop.point_mm)
+    (u, v), _ = stop.flat_mm
+    first, second = stop.faces
+    who = f"faces {first} and {second} press on each other"
+    if first == second:
+        who = f"parts of face {first} press on each other"
+    text = (
+        f"{who} from {stop.share:.1%} of the fold on, at ({x}, {y}, {z}) mm, "
+        f"({u:.4g}, {v:.4g}) mm in the flat sheet, and keep it from its target: "
+    )
+    if stop.orders > 1:
+        text += f"{counted(stop.orders, 'order')} of folding were tried, and none gets there."
+    else:
+        text += "all creases fold at once, no other order was tried."
+    if reached and not settings.contact:
+        text += " What is shown passes through itself; --contact shows where the sheet stops."
+    severity = Severity.ERROR if settings.contact else Severity.WARNING
+    return Finding("stopped-by-contact", severity, text, panels=stop.faces)

@@ -1,0 +1,295 @@
+"""Contact: exact distances and steps, stops that are known, stacks and rolls, nothing crosses."""
+
+import numpy as np
+import pytest
+from flat_patterns import pattern_of, turned_strip
+from helpers import PATTERNS
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fab import read_pattern
+from fab.folding.bar_hinge_model import framework
+from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
+from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
+from fab.folding.contact.contact import Contact
+from fab.folding.contact.contact_fold import fold_in_contact
+from fab.folding.contact.surface import surface_of
+from fab.folding.fold_settings import FoldSettings, Stiffness
+from fab.folding.quasi_static import fold
+from fab.folding.simulation import fold_and_judge
+from fab.folding.verdict import judge
+from fab.pattern.crease_pattern import CreasePattern
+from solver.self_intersection import crossing_faces
+
+SEEDS = st.integers(0, 2**31)
+
+
+def folded_strip(lengths, angles, width=20.0) -> CreasePattern:
+    """Panels in a row, mm, with the fold angles between them, degrees."""
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    count = len(along)
+    coords = np.vstack([np.column_stack([along, np.full(count, y)]) for y in (0.0, width)])
+    faces = [[i, i + 1, count + i + 1, count + i] for i in range(count - 1)]
+    plain = pattern_of(coords, faces, "V")
+    across = np.abs(np.diff(plain.edges_vertices, axis=1))[:, 0] == count
+    inner = across & (plain.edges_assignment != "B")
+    angle = np.zeros(len(inner))
+    angle[inner] = np.asarray(angles, float)[plain.edges_vertices[inner].min(axis=1) - 1]
+    letters = np.where(inner, np.where(angle > 0, "V", "M"), plain.edges_assignment)
+    return pattern_like(plain, letters, angle)
+
+
+def flat_miura(columns, rows, side=20.0, acute_deg=60.0) -> CreasePattern:
+    """Parallelograms, all creases folded by 180 degrees."""
+    turn = np.radians(acute_deg)
+    i, j = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
+    coords = np.column_stack(
+        [
+            (i * side + np.where(j % 2, side * np.cos(turn), 0)).ravel(),
+            (j * side * np.sin(turn)).ravel(),
+        ]
+    )
+    across = columns + 1
+    faces = [
+        [r * across + c, r * across + c + 1, (r + 1) * across + c + 1, (r + 1) * across + c]
+        for r in range(rows)
+        for c in range(columns)
+    ]
+    plain = pattern_of(coords, faces, "V")
+    (row, other), (column, beside) = (x.T for x in np.divmod(plain.edges_vertices, across))
+    straight = row == other
+    sign = np.where(
+        straight,
+        np.where((row + np.minimum(column, beside)) % 2, -1.0, 1.0),
+        np.where(column % 2, 1.0, -1.0),
+    )
+    inner = plain.edges_assignment != "B"
+    angle = np.where(inner, 180.0 * sign, 0.0)
+    return pattern_like(plain, np.where(inner, np.where(sign > 0, "V", "M"), "B"), angle)
+
+
+def pattern_like(plain, letters, angle) -> CreasePattern:
+    return CreasePattern(
+        plain.vertices_coords,
+        plain.edges_vertices,
+        plain.edges_faces,
+        letters.astype("U1"),
+        angle,
+        plain.faces_vertices,
+        plain.faces_offsets,
+    )
+
+
+def crossings(frame, coords):
+    triangles = frame.triangles_vertices
+    return crossing_faces(coords, triangles.ravel(), 3 * np.arange(len(triangles) + 1))
+
+
+def assert_nothing_crosses(folding):
+    for state in folding.states:
+        assert len(crossings(folding.frame, state.coords)) == 0, state.load
+        assert all(a >= b for a, b in zip(state.accepted, state.accepted[1:], strict=False))
+
+
+@settings(max_examples=40, deadline=None)
+@given(SEEDS, st.booleans(), st.sampled_from([0.0, 1e-9, 1e-3, 1.0]))
+def test_closest_points_are_the_closest(seed, of_triangle, spread):
+    random = np.random.default_rng(seed)
+    points = random.normal(size=(1, 4, 3))
+    # nearly flat triangles and nearly parallel segments too
+    points[0, 3] = points[0, 2] + random.normal() * (points[0, 1] - points[0, 0])
+    points[0, 3] += spread * random.normal(size=3)
+    if of_triangle:
+        weights, parts = triangle_weights(points), [[0], [1, 2, 3]]
+    else:
+        weights, parts = segment_weights(points), [[0, 1], [2, 3]]
+    assert abs(weights.sum()) < 1e-9
+    for part, sign in zip(parts, (1, -1), strict=True):
+        assert (sign * weights[0, part] > -1e-9).all()
+    found, _ = separations(points, weights)
+    shares = [random.dirichlet(np.full(len(part), 0.5), 2000) for part in parts]
+    first, second = (s @ points[0, part] for s, part in zip(shares, parts, strict=True))
+    assert np.linalg.norm(first - second, axis=1).min() >= found[0] - 1e-9
+    if not of_triangle:  # and the ends, of which samples have few
+        for end in points[0, :2]:
+            t = np.clip(
+                (end - points[0, 2]) @ (d := points[0, 3] - points[0, 2]) / max(d @ d, 1e-300), 0, 1
+            )
+            assert np.linalg.norm(end - points[0, 2] - t * d) >= found[0] - 1e-9
+
+
+def test_the_barrier_has_the_slopes_that_it_gives():
+    share = np.linspace(0.01, 0.99, 50)
+    step = 1e-6
+    slope = (barrier(share + step) - barrier(share - step)) / (2 * step)
+    np.testing.assert_allclose(barrier_slope(share), slope, rtol=1e-6, atol=1e-8)
+    bend = (barrier_slope(share + step) - barrier_slope(share - step)) / (2 * step)
+    np.testing.assert_allclose(barrier_curvature(share), bend, rtol=1e-6, atol=1e-7)
+
+
+def crumpled(seed):
+    """A frame, and coordinates at which many of its parts are near each other."""
+    frame = framework(folded_strip([30.0] * 6, [170, -170] * 2 + [170]))
+    folding = fold(frame)
+    random = np.random.default_rng(seed)
+    return frame, folding.states[-1].coords + random.normal(0, 2e-3, frame.vertices_coords.shape)
+
+
+@pytest.mark.parametrize("thickness_mm", [0.0, 0.5])
+def test_the_gradient_is_that_of_the_energy(thickness_mm):
+    frame, coords = crumpled(3)
+    contact = Contact(surface_of(frame, thickness_mm), 0.05, 1.0)
+    found = contact.touching(coords)
+    assert (found.parallel < 1).any()
+    assert (found.parallel == 1).any()
+    random = np.random.default_rng(0)
+    gradient, blocks = contact.linearised(coords)
+    for _ in range(5):
+        way = random.normal(size=coords.shape)
+        step = 1e-8
+        slope = (contact.energy(coords + step * way) - contact.energy(coords - step * way)) / 2
+        assert np.sum(gradient * way) == pytest.approx(slope / step, rel=1e-4)
+    for matrix in blocks[0].matrices[:20]:
+        assert np.linalg.eigvalsh(matrix).min() > -1e-9 * np.abs(matrix).max()
+
+
+@settings(max_examples=8, deadline=None)
+@given(SEEDS)
+def test_a_free_step_crosses_nothing_and_leaves_room(seed):
+    frame, coords = crumpled(seed % 5)
+    contact = Contact(surface_of(frame), 1e-2, 1.0)
+    if len(crossings(frame, coords)):
+        return
+    step = np.random.default_rng(seed).normal(0, 0.05, coords.shape)
+    share = contact.longest_step(coords, step)
+    assert 0 <= share <= 1
+    for part in np.linspace(0, share, 7):
+        assert len(crossings(frame, coords + part * step)) == 0
+        assert np.isfinite(contact.energy(coords + part * step))
+
+
+def test_parts_that_slide_along_each_other_are_free():
+    frame, coords = crumpled(0)
+    contact = Contact(surface_of(frame), 1e-2, 1.0)
+    turned = coords @ np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]])
+    assert contact.longest_step(coords, np.full_like(coords, 3.0)) == 1.0
+    assert contact.energy(turned) == pytest.approx(contact.energy(coords), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("base", "flap", "target_deg"), [(30.0, 30.0, 150.0), (30.0 * np.sqrt(2), 30.0, 150.0)]
+)
+def test_two_flaps_stop_where_their_tips_meet(base, flap, target_deg):
+    # the second pair meets at 90 degrees
+    pattern = folded_strip([flap, base, flap], [target_deg] * 2)
+    folding = fold_in_contact(framework(pattern))
+    meet_deg = 180 - np.degrees(np.arccos(base / 2 / flap))
+    assert folding.stopped is not None
+    assert folding.stopped.faces == (0, 2)
+    # a thousandth of the size is what the barrier reaches
+    assert folding.stopped.share == pytest.approx(meet_deg / target_deg, abs=3e-3)
+    ends = [place[0] for place in folding.stopped.flat_mm]
+    np.testing.assert_allclose(ends, [0.0, base + 2 * flap], atol=0.2)
+    assert not judge(folding).reached
+    assert_nothing_crosses(folding)
+
+
+def square_roll(turns, pitch):
+    lengths = [10 + pitch * (number // 2) for number in range(4 * turns)]
+    return folded_strip(lengths, [90.0] * (len(lengths) - 1))
+
+
+def test_a_strip_rolls_up_where_its_turns_have_room():
+    frame = framework(square_roll(turns=3, pitch=2.0))
+    through = fold(frame)
+    assert any(len(crossings(frame, state.coords)) for state in through.states)
+    rolled = fold_in_contact(frame)
+    assert judge(rolled).reached
+    assert rolled.stopped is None
+    assert_nothing_crosses(rolled)
+    thick = fold_in_contact(frame, thickness_mm=1.0)
+    assert judge(thick).reached
+    assert_nothing_crosses(thick)
+
+
+def test_a_strip_thicker_than_its_pitch_does_not_roll_up():
+    thick = fold_in_contact(framework(square_roll(turns=2, pitch=2.0)), thickness_mm=4.0)
+    assert not judge(thick).reached
+    assert_nothing_crosses(thick)
+
+
+def test_pleats_close_to_the_height_of_their_stack():
+    frame = framework(folded_strip([30.0] * 6, [180, -180] * 2 + [180]))
+    thickness = 1.0
+    folding = fold_in_contact(frame, thickness_mm=thickness)
+    # from each crease to the next panel but one it is the thickness: L sin(opening) = t
+    opening = np.degrees(np.arcsin(thickness / 30.0))
+    hinges = frame.hinges_edge >= 0
+    angles = np.abs(np.degrees(frame.angles_near(folding.states[-1].coords, frame.hinges_target)))
+    np.testing.assert_allclose(angles[hinges], 180 - opening, atol=0.1)
+    assert judge(folding).reached
+    assert_nothing_crosses(folding)
+
+
+@pytest.mark.parametrize(("thickness_mm", "off_deg"), [(0.0, 0.1), (0.3, 6.0)])
+def test_a_miura_closes_to_its_stack(thickness_mm, off_deg):
+    frame = framework(flat_miura(4, 3))
+    folding = fold_in_contact(frame, thickness_mm=thickness_mm)
+    verdict = judge(folding)
+    assert verdict.reached
+    assert verdict.angle_error_max_deg < off_deg
+    assert_nothing_crosses(folding)
+    contact = Contact(surface_of(frame, thickness_mm), 1e-3, 1.0)
+    assert len(contact.touching(folding.states[-1].coords).room) > 0
+
+
+def test_a_base_that_crosses_today_folds_in_contact():
+    pattern = read_pattern(PATTERNS / "bird_base.fold")[0]
+    through = fold(framework(pattern))
+    assert any(len(crossings(through.frame, state.coords)) for state in through.states)
+    folding, verdict, findings = fold_and_judge(pattern, FoldSettings())
+    assert verdict.reached
+    assert_nothing_crosses(folding)
+    codes = [finding.code for finding in findings]
+    assert "folded-in-contact" in codes
+    assert "crosses-on-the-way" not in codes
+
+
+def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
+    pattern = folded_strip([30.0] * 3, [150.0] * 2)
+    shown, verdict, findings = fold_and_judge(pattern, FoldSettings())
+    assert verdict.reached
+    assert verdict.stopped is not None
+    assert verdict.stopped.orders > 1
+    assert any(len(crossings(shown.frame, state.coords)) for state in shown.states)
+    told = next(each for each in findings if each.code == "stopped-by-contact")
+    assert told.panels == (0, 2)
+    assert "faces 0 and 2" in told.text
+    shown, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=True))
+    assert not verdict.reached
+    assert_nothing_crosses(shown)
+    _, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=False))
+    assert verdict.stopped is None
+    assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_the_same_fold_has_the_same_bits():
+    frame = framework(square_roll(turns=2, pitch=2.0))
+    first, second = (fold_in_contact(frame, thickness_mm=0.2) for _ in range(2))
+    for one, two in zip(first.states, second.states, strict=True):
+        assert one.coords.tobytes() == two.coords.tobytes()
+
+
+def test_a_flat_sheet_that_overlaps_itself_is_folded_without_contact():
+    _, verdict, findings = fold_and_judge(turned_strip(30, 1.2), FoldSettings(contact=True))
+    told = next(each for each in findings if each.code == "contact-not-possible")
+    assert "lie on each other in the flat sheet" in told.text
+    assert verdict.stopped is None
+
+
+def test_the_flat_sheet_feels_no_contact():
+    for pattern in (flat_miura(4, 3), folded_strip([0.01, 30.0, 0.02], [90, 90])):
+        frame = framework(pattern, Stiffness())
+        contact = Contact(surface_of(frame, 5.0), 1e-3, 1.0)
+        assert contact.energy(frame.vertices_coords) == 0
+        assert len(contact.touching(frame.vertices_coords).room) == 0
