@@ -89,7 +89,7 @@ FOLDING = (
         "crosses-on-the-way",
         (NOTE, WARNING),
         "Faces pass through each other while the sheet folds.",
-        "All creases fold together, and the simulation knows no contact. It is a warning where "
+        "All creases fold together, without contact. It is a warning where "
         "the last state "
         "crosses too.",
         "Fold the sheet in another order; where the last state crosses, change the pattern.",

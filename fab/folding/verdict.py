@@ -326,7 +326,7 @@ def _crosses_on_the_way(verdict: Verdict) -> Finding | None:
     where = f"at {first}" if first == last else f"from {first} to {last}"
     text = (
         f"faces pass through each other {where} of the "
-        "fold: the simulation knows no contact. Paper would have to be folded in another order."
+        "fold, which is without contact. Paper would have to be folded in another order."
     )
     severity = Severity.WARNING if verdict.path[-1].crossings else Severity.NOTE
     return Finding("crosses-on-the-way", severity, text)
