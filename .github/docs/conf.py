@@ -26,6 +26,7 @@ except ModuleNotFoundError:
 extensions = ["myst_parser"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
+smartquotes = False  # what is quoted may be copied
 exclude_patterns = ["**/.*", "made_pages", "made/extra"]
 
 html_theme = "furo"

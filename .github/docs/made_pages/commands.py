@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+
 import click
 
 from fab.cli.group import main
@@ -30,7 +32,7 @@ def _command(command: click.Command, title: str, above: click.Context) -> list[s
     out = [
         anchor(title.replace(" ", "-")) + f"{level} {title}\n",
         f"```text\n{usage}\n```\n",
-        docstring(command.help or "") + "\n",
+        docstring(inspect.cleandoc(command.help or "")) + "\n",
     ]
     options = [each for each in command.params if isinstance(each, click.Option)]
     if options:

@@ -21,7 +21,7 @@ from made_pages.markdown import anchor, cell, docstring, table
 
 __all__ = ["keys_pages", "missing_texts", "units_of"]
 
-_HEAD = ("key", "value", "unit", "bounds", "default", "")
+_HEAD = ("key", "", "value", "default")
 # Units by the ends of keys, the longer ends first.
 _UNITS = {
     "_mm_per_unit": "mm per unit",
@@ -205,11 +205,11 @@ def _own_text(model: type[Settings]) -> str:
 def _row(key: str, info: FieldInfo, text: str) -> list[str]:
     return [
         f"`{key}`",
-        _value(info.annotation),
-        units_of(key),
-        ", ".join(_bounds(info)),
-        _default(info),
         cell(text),
+        ", ".join(
+            part for part in (_value(info.annotation), units_of(key), *_bounds(info)) if part
+        ),
+        _default(info),
     ]
 
 
