@@ -1,5 +1,6 @@
 """Pages of the documentation: what they name exists, and what they show runs."""
 
+import io
 import json
 import re
 import shlex
@@ -12,8 +13,9 @@ import click
 import pytest
 from click.testing import CliRunner
 from helpers import DOCS, PATTERNS, ROOT, TEMPLATE_NAMES
+from PIL import Image
 
-from fab.catalogue import PAPER, template_groups
+from fab.catalogue import PAPER, shipped_picture, template_groups
 from fab.cli.group import main
 from fab.findings import explained
 from fab.jobs.job import Job
@@ -195,7 +197,12 @@ def test_broken_links_of_a_site_are_found(tmp_path):
     ]
 
 
-def test_every_template_is_in_one_group():
+def test_every_template_is_in_one_group_and_has_a_picture():
     groups = template_groups()
-    assert sorted(name for names in groups.values() for name in names) == TEMPLATE_NAMES
+    every = [name for names in groups.values() for name in names]
+    assert sorted(every) == TEMPLATE_NAMES
     assert list(groups)[-1] == PAPER
+    for name in every:
+        with Image.open(io.BytesIO(shipped_picture(name).read_bytes())) as image:
+            assert image.size == (480, 360)
+            assert len(image.convert("RGB").getcolors(480 * 360)) > 3
