@@ -22,6 +22,7 @@ __all__ = [
     "checked",
     "parsed_toml",
     "read_toml",
+    "types_of",
 ]
 
 # Files that users write are a few kilobytes long.
@@ -234,14 +235,31 @@ def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> l
     node = document
     for part in place:
         node = _within(node, part)
-    return list(getattr(_table(annotation, node), "model_fields", {}))
+    return list(_fields(_table(annotation, node)))
+
+
+def _fields(table: Any) -> dict[str, FieldInfo]:
+    """The fields of a table by their keys, which are their names unless an alias is."""
+    fields: Mapping[str, FieldInfo] = getattr(table, "model_fields", {})
+    return {field.alias or name: field for name, field in fields.items()}
+
+
+def types_of(model: type[Settings], key: str, document: Any) -> list[Any]:
+    """The types that a key such as "design.rows" takes; none where it is no key of the model.
+
+    document : tables of the model, whose kinds say which keys they have.
+    """
+    field, annotation = _field(model, key.split("."), document)
+    return [] if field is None else alternatives(annotation)
 
 
 def _field(
     model: type[Settings], place: Sequence[str], document: Any
 ) -> tuple[FieldInfo | None, Any]:
     """The field at a place and its type; within a list the item, with its bounds if it has any."""
-    field, annotation, node = None, model, document
+    field: FieldInfo | None = None
+    annotation: Any = model
+    node = document
     for part in place:
         table = _table(annotation, node)
         if get_origin(table) in (list, tuple):
@@ -249,7 +267,7 @@ def _field(
             bounded = get_origin(annotation) is Annotated
             field = FieldInfo.from_annotation(annotation) if bounded else None
         else:
-            field = getattr(table, "model_fields", {}).get(part)
+            field = _fields(table).get(part)
             annotation = field.annotation if field is not None else Settings
         node = _within(node, part)
     return field, annotation

@@ -75,3 +75,9 @@ def made_template(name: str) -> Made:
 def guide(*names: str) -> str:
     """Pages of the guide in the documentation, one after the other."""
     return "\n".join((DOCS / "guide" / f"{name}.md").read_text("utf-8") for name in names)
+
+
+@cache
+def template_fold(name: str) -> bytes:
+    """The FOLD file of a shipped job, for tests that need no other of its files."""
+    return make(load_job(TEMPLATES / f"{name}.toml"), ["fold"]).files[f"{name}.fold"]

@@ -20,7 +20,7 @@ from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.perforation_settings import PerforationSettings
 from solver.vectors import FloatArray
 
-__all__ = ["Job", "SheetSettings", "SheetSize", "load_job", "parse_job"]
+__all__ = ["Job", "SheetSettings", "SheetSize", "job_model", "load_job", "parse_job"]
 
 _CURE = "`quadfold new` copies a complete job."
 # A folded sheet has no height if it is less than this share of its longest side.
@@ -192,13 +192,13 @@ def parse_job(
     >>> job.design.fold_deg, job.panels.thickness_mm
     (45.0, 1.6)
     """
-    job = checked(_model(document, folder, allow_code), document, source, _CURE)
+    job = checked(job_model(document, folder, allow_code=allow_code), document, source, _CURE)
     job._folder = folder
     return job
 
 
-def _model(document: Any, folder: Path, allow_code: bool) -> type[Job]:
-    """The model of a job; its own where the design is not a shipped one."""
+def job_model(document: Any, folder: Path, *, allow_code: bool = False) -> type[Job]:
+    """The model of a job; its own where the design is not a shipped one. Raises as `load_job`."""
     design = document.get("design") if isinstance(document, Mapping) else None
     kind = design.get("kind") if isinstance(design, Mapping) else None
     if not isinstance(kind, str) or kind in SHIPPED_DESIGNS:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from fab.errors import InvalidJob, did_you_mean
 
-__all__ = ["named"]
+__all__ = ["named", "short_names"]
 
 
 def named(name: str, known: Sequence[str], what: str) -> str:
@@ -27,3 +27,25 @@ def named(name: str, known: Sequence[str], what: str) -> str:
         raise InvalidJob(f"{name} is one of {', '.join(ending)}: give one of them in full.")
     short = [each.rpartition(".")[2] for each in known]
     raise InvalidJob(f"{name} is no {what}.{did_you_mean(name, [*known, *short])}")
+
+
+def short_names(names: Sequence[str]) -> dict[str, str]:
+    """Each name without what is before its last dots, as far as it differs from the others then.
+
+    >>> short_names(["design.rows", "flat.x_mm", "folded.x_mm"])
+    {'design.rows': 'rows', 'flat.x_mm': 'flat.x_mm', 'folded.x_mm': 'folded.x_mm'}
+    """
+    out = {}
+    for name in names:
+        parts = name.split(".")
+        endings = (".".join(parts[-count:]) for count in range(1, len(parts) + 1))
+        others = [other for other in names if other != name]
+        out[name] = next(
+            (
+                ending
+                for ending in endings
+                if not any(other == ending or other.endswith(f".{ending}") for other in others)
+            ),
+            name,
+        )
+    return out

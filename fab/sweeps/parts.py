@@ -7,8 +7,9 @@ Each part is written beside its place and renamed: what is there is whole.
 
 from __future__ import annotations
 
+import hashlib
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ from fab.errors import InvalidJob
 from fab.sweeps.axes import Axis
 from fab.sweeps.columns import FIGURES, OUTCOME, Column
 
-__all__ = ["Parts", "axis_fields", "unwritten", "write_table"]
+__all__ = ["LIMITS", "Parts", "axis_fields", "unwritten", "write_table"]
 
 _TYPES = {
     "text": pa.string(),
@@ -49,7 +50,14 @@ def axis_fields(axes: Sequence[Axis]) -> list[pa.Field]:
 
 
 _KINDS = {bool: "truth", int: "whole", float: "number", str: "text"}
-_ROW = pa.schema(fields_of([*(each for each in OUTCOME if each.name != "number"), *FIGURES]))
+# Which limits a row was run under, so that one that they ended is run again under higher ones.
+LIMITS = ("limits.seconds", "limits.memory_mb")
+_ROW = pa.schema(
+    [
+        *fields_of([*(each for each in OUTCOME if each.name != "number"), *FIGURES]),
+        *(pa.field(name, pa.float64()) for name in LIMITS),
+    ]
+)
 
 
 def write_table(path: Path, schema: pa.Schema, rows: Iterable[Mapping[str, Any]]) -> int:
@@ -96,7 +104,8 @@ class Parts:
 
     def add(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write a part. Raises `InvalidJob` where that cannot be."""
-        name = f"{rows[0]['job_hash']}_{len(rows)}.parquet"
+        jobs = " ".join(str(row["job_hash"]) for row in rows)
+        name = f"{hashlib.sha256(jobs.encode()).hexdigest()[:20]}_{len(rows)}.parquet"
         known = set(_ROW.names)
         write_table(
             self.folder / name,
@@ -110,10 +119,30 @@ class Parts:
         self.damaged = []
         for path in self.paths():
             try:
-                done.update(pq.read_table(path, columns=["job_hash"])["job_hash"].to_pylist())
+                found = pq.read_table(path, columns=["job_hash", *LIMITS])
+                done.update(found["job_hash"].to_pylist())
             except (OSError, pa.ArrowException):
                 self.damaged.append(path)
         return done
+
+    def drop(self, unwanted: Callable[[Mapping[str, Any]], bool]) -> int:
+        """Drop the rows of which that is true by status and limits. Returns their number.
+
+        What is kept of a part is written before the part goes.
+        """
+        count = 0
+        for path in self.readable():
+            some = pq.read_table(path, columns=["status", *LIMITS]).to_pylist()
+            going = [unwanted(row) for row in some]
+            if not any(going):
+                continue
+            rows = pq.read_table(path).to_pylist()
+            kept = [row for row, goes in zip(rows, going, strict=True) if not goes]
+            if kept:
+                self.add(kept)
+            path.unlink()
+            count += sum(going)
+        return count
 
     def rows(self, columns: Sequence[str]) -> dict[str, dict[str, Any]]:
         """Some columns of all rows, by the hash of their job."""

@@ -12,13 +12,12 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from fab import __version__
 from fab.errors import Severity
 from fab.jobs.job_files import Sheet, grown_sheet
 from fab.outputs import Made, write
 from fab.sweeps.columns import FIGURES, figures_of
 from fab.sweeps.sweep_settings import Measure, Sweep
-from fab.sweeps.variations import Variation, hash_of
+from fab.sweeps.variations import Variation
 from solver.errors import OrigamiError
 
 __all__ = ["Batch", "ended_row", "row_of"]
@@ -61,23 +60,19 @@ def row_of(sweep: Sweep, variation: Variation, folder: Path | None = None) -> di
     except Exception as error:  # a fault of ours or of a library must not end the sweep
         outcome = {"status": "failed", "message": _short(f"{type(error).__name__}: {error}")}
     if folder is not None and made is not None:
-        write(made, folder / _hash(sweep, variation))
+        write(made, folder / variation.job_hash)
     seconds = round(time.perf_counter() - began, 4)
-    return _row(sweep, variation, {**outcome, "seconds": seconds})
+    return _row(variation, {**outcome, "seconds": seconds})
 
 
-def ended_row(sweep: Sweep, variation: Variation, status: str, message: str) -> dict[str, Any]:
+def ended_row(variation: Variation, status: str, message: str) -> dict[str, Any]:
     """The row of a variation whose process ended: it crashed, or could not be interrupted."""
-    return _row(sweep, variation, {"status": status, "message": message, "seconds": None})
+    return _row(variation, {"status": status, "message": message, "seconds": None})
 
 
-def _row(sweep: Sweep, variation: Variation, outcome: Mapping[str, Any]) -> dict[str, Any]:
+def _row(variation: Variation, outcome: Mapping[str, Any]) -> dict[str, Any]:
     empty = {"message": "", "errors": "", "warnings": "", **dict.fromkeys(c.name for c in FIGURES)}
-    return {"job_hash": _hash(sweep, variation), **empty, **outcome}
-
-
-def _hash(sweep: Sweep, variation: Variation) -> str:
-    return hash_of(sweep.varied(variation.values), sweep.measured, __version__)
+    return {"job_hash": variation.job_hash, **empty, **outcome}
 
 
 def _made(sweep: Sweep, variation: Variation) -> tuple[dict[str, Any], Made]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,11 @@ class Goals:
         names = tuple(named(name, numbers, _COLUMN) for name in search.goals)
         return cls(names, tuple(search.signs), constraints_of(search.conditions, numbers, _COLUMN))
 
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """The columns of goals and conditions."""
+        return (*self.columns, *(key for each in self.conditions for key in each.keys))
+
     def values(self, row: Mapping[str, Any]) -> list[float] | None:
         """What is to be low of a row; None where it has no such figures."""
         figures = [row.get(column) for column in self.columns]
@@ -74,6 +79,7 @@ class Search:
             raise InvalidJob("the sweep has no table [search].")
         self.sweep, self.axes, self.settings = sweep, tuple(axes), sweep.search
         self.goals = Goals.of(self.settings)
+        sweep.require_measured(self.goals.needed)
         self._between = constraints_of(sweep.constraints, [axis.key for axis in axes])
         self.study = self._study(folder / _JOURNAL)
 
@@ -102,8 +108,7 @@ class Search:
 
     def run(self, there: SweepFolder, pool: Pool, progress: Steps) -> int:
         """Run the trials that are left, and keep their rows. How many there were before."""
-        figures = [key for condition in self.goals.conditions for key in condition.keys]
-        rows = there.parts.rows(["status", *self.goals.columns, *figures])
+        rows = there.parts.rows(["status", *self.goals.needed])
         self._take_up_ended()
         before = begun = self._count()
         asked: dict[str, list[Any]] = {}
@@ -124,7 +129,7 @@ class Search:
                     asked[hashed].append(trial)
                 else:
                     asked[hashed] = [trial]
-                    chosen.append(variation)
+                    chosen.append(replace(variation, job_hash=hashed))
             return Batch(self.sweep, tuple(chosen), there.files) if chosen else None
 
         def keep(found: list[dict[str, Any]]) -> None:

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -21,7 +22,9 @@ import pyarrow.parquet as pq
 from fab import __version__
 from fab.errors import InvalidJob
 from fab.sweeps.axes import Axis
-from fab.sweeps.parts import Parts, axis_fields, unwritten, write_table
+from fab.sweeps.dotted_names import short_names
+from fab.sweeps.named_files import NamedFiles
+from fab.sweeps.parts import LIMITS, Parts, axis_fields, unwritten, write_table
 from fab.sweeps.sweep_settings import Sweep
 from fab.sweeps.variations import Variation, hash_of
 
@@ -115,12 +118,27 @@ class SweepFolder:
         for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
             stray.unlink(missing_ok=True)
 
+    def drop_unsettled(self) -> int:
+        """Drop rows that crashed, or that a limit ended which is higher now. Their number."""
+        return self.parts.drop(self._is_unsettled)
+
+    def _is_unsettled(self, row: Mapping[str, Any]) -> bool:
+        seconds, memory_mb = (row[name] for name in LIMITS)
+        limits = self.sweep.limits
+        if row["status"] == "too slow":
+            return seconds is not None and limits.seconds > seconds
+        if row["status"] == "too large":
+            return memory_mb is None or limits.memory_mb is None or limits.memory_mb > memory_mb
+        return row["status"] in ("crashed", "failed")
+
     def keep(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write the rows of a batch, and their pictures before them."""
         for row in rows:
             if row.get("picture") is not None:
                 self._write(f"pictures/{row['job_hash']}.png", row["picture"])
-        self.parts.add(rows)
+        limits = self.sweep.limits
+        under = dict(zip(LIMITS, (limits.seconds, limits.memory_mb), strict=True))
+        self.parts.add([{**row, **under} for row in rows])
 
     def _write(self, name: str, data: bytes) -> None:
         """Write a file beside its place, and rename it. Raises `InvalidJob` as `write_table`."""
@@ -150,8 +168,13 @@ class SweepFolder:
         if pictures:
             from fab.sweeps.thumbnails import contact_sheet_bytes
 
+            titles = short_names(keys)
             captions = [
-                (f"{row['number']}: " + ", ".join(_short(row[key]) for key in keys), picture)
+                (
+                    f"{row['number']}: "
+                    + ", ".join(f"{titles[key]} {_short(row[key])}" for key in keys),
+                    picture,
+                )
                 for row in rows
                 if (picture := pictures.get(row["job_hash"])) is not None
             ]
@@ -184,7 +207,13 @@ class SweepFolder:
 
     def hash_of(self, variation: Variation) -> str:
         """The hash of the job of a variation."""
-        return hash_of(self.sweep.varied(variation.values), self.sweep.measured, __version__)
+        document = self.sweep.varied(variation.values)
+        files = self._named_files.digests(document)
+        return hash_of(document, files, self.sweep.measured, __version__)
+
+    @cached_property
+    def _named_files(self) -> NamedFiles:
+        return NamedFiles(self.sweep.folder)
 
     def pending(self, hashes: set[str]) -> Iterator[Variation]:
         """The variations of these jobs, the first of each, in their order."""
@@ -193,7 +222,7 @@ class SweepFolder:
             hashed = self.hash_of(variation)
             if hashed in left:
                 left.discard(hashed)
-                yield variation
+                yield replace(variation, job_hash=hashed)
 
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the table, which has been written."""
@@ -216,10 +245,11 @@ class SweepFolder:
             variations = str(self.path / "variations.parquet").replace("'", "''")
             parts = [str(path) for path in self.parts.readable()]
             names = pq.read_schema(self.path / "variations.parquet").names
+            limits = ", ".join(f'"{name}"' for name in LIMITS)
             axes = "".join(f', v."{name}"' for name in names if name not in ("number", "job_hash"))
             connection.execute(
                 f"CREATE VIEW results AS SELECT v.number, v.job_hash{axes}, "
-                "p.* EXCLUDE (job_hash) "
+                f"p.* EXCLUDE (job_hash, {limits}) "
                 f"FROM read_parquet('{variations}') v JOIN "
                 f"(SELECT DISTINCT ON (job_hash) * FROM read_parquet({parts!r})) p "
                 "ON v.job_hash = p.job_hash ORDER BY v.number"

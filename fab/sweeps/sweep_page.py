@@ -11,6 +11,7 @@ from typing import Any
 from fab import __version__
 from fab.errors import counted
 from fab.sweeps.columns import FIGURES, OUTCOME
+from fab.sweeps.dotted_names import short_names
 from fab.viewing.html_file import Script, html_file
 
 __all__ = ["MOST_ROWS", "sweep_page_bytes"]
@@ -40,9 +41,10 @@ def sweep_page_bytes(
     numbers = {column.name for column in (*OUTCOME, *FIGURES) if column.kind in _NUMBERS}
     numbers |= {key for key in axes if all(_is_number(row[key]) for row in rows)}
     along = _side_by_side(axes, shown, numbers, rows)
+    titles = short_names(along)
     data = {
         "columns": [
-            {"name": each, "numbers": each in numbers, "axis": each in along} for each in shown
+            {"name": each, "numbers": each in numbers, "axis": titles.get(each)} for each in shown
         ],
         "rows": [[row[each] for each in shown] for row in rows],
         "pictures": [_source(pictures.get(row["job_hash"])) for row in rows],
@@ -85,9 +87,10 @@ def _is_number(value: Any) -> bool:
 
 
 def _columns(axes: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Number, axes and status, then all that differs from row to row."""
+    """Number, axes and status, then all that differs from row to row, what is compared first."""
     first = ["number", *axes, "status"]
-    others = [column.name for column in (*OUTCOME, *FIGURES)]
+    outcome, figures = ([column.name for column in columns] for columns in (OUTCOME, FIGURES))
+    others = dict.fromkeys([*outcome, *_FIRST, *figures])
     return [
         *first,
         *(

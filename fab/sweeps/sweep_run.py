@@ -21,9 +21,9 @@ from fab.sweeps.job_text import job_bytes
 from fab.sweeps.rows import Batch, row_of
 from fab.sweeps.search import Search, best_rows
 from fab.sweeps.sweep_folder import Listed, Plan, SweepFolder, locked
-from fab.sweeps.sweep_settings import Sweep, sweep_of
+from fab.sweeps.sweep_settings import Measure, Sweep, sweep_of
 from fab.sweeps.variations import Variations, variations_of
-from fab.sweeps.workers import local_pool
+from fab.sweeps.workers import local_pool, require_parent
 
 __all__ = ["Estimate", "SweepResult", "estimate", "run_sweep", "sweep"]
 
@@ -45,8 +45,10 @@ class SweepResult:
     begun_with : jobs whose rows were there before.
     others : rows in the folder of jobs that are not in this sweep, or of another version.
     damaged : parts that could not be read, whose jobs were done again.
+    again : jobs that were done again because they crashed, or a limit ended them that is higher.
     statuses : how many variations ended in which way.
-    best : names of the jobs that a search found best, written beside the table.
+    best : names of the jobs that a search found best, written beside the table; None where it was
+        no search.
     """
 
     table: Path
@@ -56,7 +58,8 @@ class SweepResult:
     others: int
     damaged: int
     statuses: dict[str, int]
-    best: tuple[str, ...] = ()
+    best: tuple[str, ...] | None = None
+    again: int = 0
 
     def rows(self) -> list[dict[str, Any]]:
         """The rows of the table, in the order of the variations."""
@@ -67,15 +70,24 @@ class SweepResult:
 
     def lines(self) -> Iterator[str]:
         """What a user should know of it, line by line."""
-        if self.begun_with:
+        if self.begun_with and self.best is None:
             yield f"{self.begun_with} of {counted(self.jobs, 'job')} were there already"
+        elif self.begun_with:
+            yield f"{counted(self.begun_with, 'trial')} of earlier runs"
         if self.others:
             yield f"{counted(self.others, 'row')} of other variations or versions left aside"
         if self.damaged:
             yield f"{counted(self.damaged, 'damaged part')} left aside, done again"
+        if self.again:
+            yield (
+                f"{counted(self.again, 'job')} that had crashed, or come to a limit that is higher "
+                "now, done again"
+            )
         ways = ", ".join(f"{count} {status}" for status, count in self.statuses.items())
         yield f"{counted(self.variations, 'variation')}: {ways}"
-        if self.best:
+        if self.best == ():
+            yield "no trial was made that meets the conditions, so that none is the best"
+        elif self.best is not None:
             yield f"the best: {self.table.parent / self.best[0]}" + (
                 f" and {len(self.best) - 1} more" if len(self.best) > 1 else ""
             )
@@ -137,7 +149,12 @@ def _begun(sweep: Sweep, source: str) -> Variations:
     """The variations; an axis that is no key of the job is refused before anything is made."""
     variations = variations_of(sweep, source)
     for variation in islice(variations, 1):
-        sweep.job(variation.values)
+        job = sweep.job(variation.values)
+        if Measure.SHEETS in sweep.measure and job.cutter is None:
+            raise InvalidJob(
+                f"{source}: measure = ['sheets'] needs a table [cutter] in the base job, or axes "
+                "such as cutter.material and cutter.machine."
+            )
     return variations
 
 
@@ -161,6 +178,7 @@ def run_sweep(
     Raises `InvalidJob` for what is wrong with the sweep, the folder or the cluster. Whatever ends
     it, rows that are done are kept, and the next run goes on from there.
     """
+    require_parent()
     path, variations = Path(folder), _begun(sweep, source)
     if cluster is None:
         workers = _workers(jobs)
@@ -215,6 +233,8 @@ def _swept(
 ) -> SweepResult:
     """Every variation, run where it has no row yet."""
     del variations
+    there.require_parts()
+    again = there.drop_unsettled()
     plan = there.begin()
     if not plan.variations:
         raise InvalidJob(f"{source}: no variation meets the constraints.")
@@ -226,7 +246,8 @@ def _swept(
 
     if plan.hashes:
         run_batches(batch_of, len(plan.hashes), pool, there.keep, step)
-    return _result(there, plan, plan.jobs - len(plan.hashes), ())
+    made = _result(there, plan, plan.jobs - len(plan.hashes))
+    return replace(made, again=again)
 
 
 def _searched(
@@ -239,7 +260,7 @@ def _searched(
     before = search.run(there, pool, step)
     there = replace(there, variations=Listed(variations.axes, tuple(search.variations())))
     plan = there.begin()
-    made = _result(there, plan, before, ())
+    made = _result(there, plan, before)
     best = best_rows(there.rows(), search.goals)
     keys = [axis.key for axis in variations.axes]
     jobs = {
@@ -252,9 +273,9 @@ def _searched(
     return replace(made, best=tuple(jobs))
 
 
-def _result(there: SweepFolder, plan: Plan, begun_with: int, best: tuple[str, ...]) -> SweepResult:
+def _result(there: SweepFolder, plan: Plan, begun_with: int) -> SweepResult:
     statuses = there.write_results()
     there.write_page()
     table = there.path / "results.parquet"
     found = (plan.variations, plan.jobs, begun_with, plan.others, plan.damaged)
-    return SweepResult(table, *found, statuses, best)
+    return SweepResult(table, *found, statuses)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from enum import StrEnum
 from pathlib import Path
@@ -13,8 +13,8 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from fab.catalogue import shipped
 from fab.errors import InvalidJob, did_you_mean
-from fab.jobs.job import Job, parse_job
-from fab.settings import Settings, checked, read_toml
+from fab.jobs.job import Job, job_model, parse_job
+from fab.settings import Settings, checked, read_toml, types_of
 from fab.sweeps.cluster import ClusterSettings
 from fab.sweeps.search_settings import SearchSettings
 
@@ -30,6 +30,15 @@ class Measure(StrEnum):
     FOLD = "fold"
     THICK = "thick"
     SHEETS = "sheets"
+
+
+# What fills the columns whose names begin so.
+_MEASURES = {
+    "rigid": Measure.RIGID,
+    "simulation": Measure.FOLD,
+    "solids": Measure.THICK,
+    "sheets": Measure.SHEETS,
+}
 
 
 class Limits(Settings):
@@ -86,6 +95,11 @@ class Sweep(Settings):
                 f"combine = {self.combine!r} and count = {self.count}: a Latin hypercube needs "
                 "count, and the others have none"
             )
+        if self.search is not None and self.combine != "grid":
+            raise ValueError(
+                f"combine = {self.combine!r} and a table search: a search proposes the variations "
+                "itself. Leave one of them out"
+            )
         return self
 
     @property
@@ -107,6 +121,12 @@ class Sweep(Settings):
             *(["pictures"] if self.pictures else []),
         ]
 
+    def types_of(self, key: str) -> list[Any]:
+        """The types that a key of the job takes; none where the base job has no such key."""
+        document = self._document
+        model = job_model(document, self._folder, allow_code=self._allow_code)
+        return types_of(model, key, document)
+
     def varied(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The tables of the base job with the values of a variation laid over them."""
         document = self.document
@@ -121,6 +141,18 @@ class Sweep(Settings):
         if Measure.FOLD in self.measure:
             document.setdefault("simulation", {})
         return document
+
+    def require_measured(self, columns: Sequence[str]) -> None:
+        """Raise `InvalidJob` where the sweep measures nothing that fills one of the columns."""
+        for column in columns:
+            measure = _MEASURES.get(column.partition(".")[0])
+            if measure is None or measure in self.measure or self.outputs:
+                continue
+            if not (measure is Measure.FOLD and "simulation" in self._document):
+                raise InvalidJob(
+                    f"search: {column} is not measured. Add measure = [{measure.value!r}] to the "
+                    "sweep."
+                )
 
     def job(self, values: Mapping[str, Any]) -> Job:
         """The job of a variation. Raises `InvalidJob` with every key at fault."""

@@ -25,10 +25,18 @@ _MOST = 10_000_000
 
 @dataclass(frozen=True)
 class Variation:
-    """A variation: its number in the sweep, from 0, and the values of the axes by their keys."""
+    """A variation of a sweep.
+
+    Attributes
+    ----------
+    number : in the sweep, from 0.
+    values : of the axes by their keys.
+    job_hash : of all that decides its row, once it is to be run.
+    """
 
     number: int
     values: Mapping[str, Value]
+    job_hash: str = ""
 
 
 @dataclass(frozen=True)
@@ -76,13 +84,15 @@ class Variations:
 
 def variations_of(sweep: Sweep, source: str) -> Variations:
     """The variations of a sweep. Raises `InvalidJob` for axes, constraints and counts."""
-    axes = axes_of(sweep.axes, source)
+    axes = axes_of(sweep.axes, source, sweep.types_of)
     keys = [axis.key for axis in axes]
     constraints = constraints_of(sweep.constraints, keys)
     sizes = {axis.key: len(axis.values) for axis in axes}
     if sweep.combine == "zip" and len(set(sizes.values())) > 1:
         listed = ", ".join(f"{key} {size}" for key, size in sizes.items())
         raise InvalidJob(f"{source}: combine = 'zip' needs axes of equal length: {listed} values.")
+    if sweep.count is not None and sweep.count > _MOST:
+        raise InvalidJob(f"{source}: count = {sweep.count} must be at most {_MOST}.")
     whole = {
         "grid": prod(sizes.values()),
         "zip": next(iter(sizes.values())),
@@ -97,11 +107,17 @@ def variations_of(sweep: Sweep, source: str) -> Variations:
     return Variations(axes, sweep.combine, whole, constraints, sweep.seed)
 
 
-def hash_of(document: Mapping[str, Any], measure: Sequence[str], version: str) -> str:
-    """A hash of all that decides the row of a variation: its job, what is measured, the version.
+def hash_of(
+    document: Mapping[str, Any], files: Mapping[str, str], measure: Sequence[str], version: str
+) -> str:
+    """A hash of all that decides the row of a variation.
 
-    >>> hash_of({"name": "a"}, ["fold"], "1") == hash_of({"name": "a"}, ["fold"], "1")
-    True
+    document : its job. files : hashes of those that the job names. measure : what is measured.
+
+    >>> hashes = [hash_of({"name": "a"}, {"mine.py": text}, [], "1") for text in ("1f", "1f", "2c")]
+    >>> len(set(hashes))
+    2
     """
-    text = json.dumps([document, list(measure), version], sort_keys=True, allow_nan=False)
+    decides = [document, dict(files), list(measure), version]
+    text = json.dumps(decides, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:20]

@@ -18,10 +18,11 @@ from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
 
+from fab.errors import InvalidJob
 from fab.sweeps.rows import Batch, ended_row, row_of
 from fab.sweeps.sweep_settings import Limits
 
-__all__ = ["alone", "batch_rows", "local_pool"]
+__all__ = ["alone", "batch_rows", "local_pool", "require_parent"]
 
 # Over the limit, until a process that could not be interrupted is ended.
 _GRACE_S = 5.0
@@ -104,21 +105,37 @@ def alone(batch: Batch) -> list[dict[str, Any]]:
     """The rows of a batch in a process of its own, which says of each when it is done.
 
     Where it ends before, the variation that it was at has that as its row, and a new process goes
-    on with the next.
+    on with the next. Who killed it from outside may have meant something else: then the variation
+    is tried once more. Raises `InvalidJob` where no process begins.
     """
     rows: list[dict[str, Any]] = []
+    tried_again = -1
     while len(rows) < len(batch.variations):
         rest = replace(batch, variations=batch.variations[len(rows) :])
-        found, end = _until_it_ends(rest)
+        found, code = _until_it_ends(rest)
         rows += found
-        if end is not None:
-            status, text = end
-            rows.append(ended_row(batch.sweep, rest.variations[len(found)], status, text))
+        at = len(rows)
+        if at == len(batch.variations):
+            break
+        if code in _FROM_OUTSIDE and tried_again != at:
+            tried_again = at
+            continue
+        limit = batch.sweep.limits.seconds
+        status, text = (
+            ("too slow", f"took more than limits.seconds = {limit:g}, and could not be interrupted")
+            if code == _OVER
+            else ("crashed", _end_of(code))
+        )
+        rows.append(ended_row(batch.variations[at], status, text))
     return rows
 
 
-def _until_it_ends(batch: Batch) -> tuple[list[dict[str, Any]], tuple[str, str] | None]:
-    """Rows of a process for a batch; status and reason where it ended before all were done."""
+# Exit codes of processes that somebody killed: the kernel that has no memory left, or a user.
+_FROM_OUTSIDE = tuple(-number for number in (signal.SIGTERM, getattr(signal, "SIGKILL", 9)))
+
+
+def _until_it_ends(batch: Batch) -> tuple[list[dict[str, Any]], int | None]:
+    """Rows of a process for a batch, and its exit code where it ended before all were done."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe(duplex=False)
     with _one_thread():
@@ -126,16 +143,19 @@ def _until_it_ends(batch: Batch) -> tuple[list[dict[str, Any]], tuple[str, str] 
         process.start()
     theirs.close()
     rows: list[dict[str, Any]] = []
+    begun = False
     try:
+        begun = ours.recv()
         while len(rows) < len(batch.variations):
             rows.append(ours.recv())
-    except EOFError:
+    except EOFError as error:
         process.join(_GRACE_S)
-        if process.exitcode == _OVER:
-            limit = batch.sweep.limits.seconds
-            text = f"took more than limits.seconds = {limit:g}, and could not be interrupted"
-            return rows, ("too slow", text)
-        return rows, ("crashed", _end_of(process.exitcode))
+        if not begun and process.exitcode not in _FROM_OUTSIDE:
+            raise InvalidJob(
+                f"processes that work on a sweep cannot begin: {_end_of(process.exitcode)}. "
+                f"{_GUARD}"
+            ) from error
+        return rows, process.exitcode
     finally:
         ours.close()
         process.kill()
@@ -143,8 +163,21 @@ def _until_it_ends(batch: Batch) -> tuple[list[dict[str, Any]], tuple[str, str] 
     return rows, None
 
 
+_GUARD = (
+    "They import the script that began the sweep: keep what it runs, the call of fab.sweep too, "
+    'under `if __name__ == "__main__":`.'
+)
+
+
+def require_parent() -> None:
+    """Raise `InvalidJob` where a script runs a sweep while a process of that sweep imports it."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise InvalidJob(f"a process that works on this sweep begins another one. {_GUARD}")
+
+
 def _send_rows(connection: Connection, batch: Batch) -> None:
     _begin(batch.sweep.limits.memory_mb)
+    connection.send(True)
     for row in _watched_rows(batch):
         connection.send(row)
 

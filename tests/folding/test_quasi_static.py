@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers import GRIDS, PATTERNS, TEMPLATE_NAMES, made_template, published
+from helpers import GRIDS, PATTERNS, TEMPLATE_NAMES, published, template_fold
 
 from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
@@ -56,7 +56,7 @@ def pattern_of_model(name) -> CreasePattern:
 
 
 def template(name, tmp_path):
-    (tmp_path / "x.fold").write_bytes(made_template(name).files[f"{name}.fold"])
+    (tmp_path / "x.fold").write_bytes(template_fold(name))
     return read_pattern(tmp_path / "x.fold")[0]
 
 

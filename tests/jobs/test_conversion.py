@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from flat_patterns import fan, pattern_of
-from helpers import PATTERNS, REFERENCE, made_template, published
+from helpers import PATTERNS, REFERENCE, published, template_fold
 
 from fab import ReadOptions, read_pattern
 from fab.cli.group import main
@@ -63,7 +63,7 @@ def test_published_pairs_become_fold_files(here, name):
 
 
 def test_a_pair_of_obj_files_comes_back_as_it_was(here):
-    data = made_template("miura").files["miura.fold"]
+    data = template_fold("miura")
     (here / "miura.fold").write_bytes(data)
     assert run("miura.fold", "pair/sheet.obj").exit_code == 0
     assert names_in(here / "pair") == ["sheet_flat.obj", "sheet_fold.obj"]
@@ -259,7 +259,7 @@ def test_conversion_from_python_needs_no_command_line(tmp_path):
 
 
 def test_angles_of_a_converted_pair_are_those_of_its_folded_form(here):
-    (here / "a.fold").write_bytes(made_template("curved_fold").files["curved_fold.fold"])
+    (here / "a.fold").write_bytes(template_fold("curved_fold"))
     assert run("a.fold", "a.obj").exit_code == 0
     pattern = read_any([here / "a_flat.obj"]).pattern
     measured = fold_angles_deg(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from helpers import made_template
+from helpers import template_fold
 from relaxed_surfaces import bump
 
 import fab
@@ -71,9 +71,7 @@ def test_a_rigid_sheet_far_off_its_surface_is_made_with_a_warning():
 
 
 def test_the_acoustic_panel_folds_rigidly(tmp_path):
-    (tmp_path / "panel.fold").write_bytes(
-        made_template("acoustic_panel").files["acoustic_panel.fold"]
-    )
+    (tmp_path / "panel.fold").write_bytes(template_fold("acoustic_panel"))
     motion = rigid_motion(fab.read_pattern(tmp_path / "panel.fold")[0])
     assert motion.verdict is RigidVerdict.FOLDS
     assert motion.freedom.count == 1

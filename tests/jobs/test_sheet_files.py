@@ -16,7 +16,7 @@ import pytest
 import shapely
 from click.testing import CliRunner
 from flat_patterns import grid, pattern_of, triangles, turned_strip
-from helpers import PATTERNS, TEMPLATES, made_template
+from helpers import PATTERNS, TEMPLATES, template_fold
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pypdf import PdfReader
@@ -189,7 +189,7 @@ def test_copies_lie_on_as_many_sheets_as_they_need_and_apart():
 
 
 def test_a_ring_is_cut_into_pieces_with_a_glue_up_list(tmp_path):
-    (tmp_path / "cones.fold").write_bytes(made_template("nested_cones").files["nested_cones.fold"])
+    (tmp_path / "cones.fold").write_bytes(template_fold("nested_cones"))
     pattern, _ = read_pattern(tmp_path / "cones.fold")
     made = fabricate(pattern, "cones", requested(formats=[SheetFormat.SVG]))
     assert made.within_tolerance, made.findings
@@ -343,7 +343,7 @@ def test_rings_close_with_the_same_number_on_both_sides(name, tmp_path):
 
 
 def test_threads_of_pieces_are_placed_or_refused(tmp_path):
-    ribbon = made_template("brownian_ribbon_400").files["brownian_ribbon_400.fold"]
+    ribbon = template_fold("brownian_ribbon_400")
     (tmp_path / "ribbon.fold").write_bytes(ribbon)
     pattern, _ = read_pattern(tmp_path / "ribbon.fold")
     with np.errstate(all="ignore"):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from flat_patterns import fan, grid, pattern_of
-from helpers import TEMPLATE_NAMES, made_template
+from helpers import TEMPLATE_NAMES, template_fold
 
 from fab import read_pattern
 from fab.pattern.kinematics import fold_by_angles
@@ -16,7 +16,7 @@ SMALL = ["miura", "twisted_squares", "trefoil_knot", "helicoid_40", "curved_fold
 
 
 def template(name, tmp_path):
-    (tmp_path / "x.fold").write_bytes(made_template(name).files[f"{name}.fold"])
+    (tmp_path / "x.fold").write_bytes(template_fold(name))
     return read_pattern(tmp_path / "x.fold")[0]
 
 

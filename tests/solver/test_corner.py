@@ -8,10 +8,12 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 import shapely
-from helpers import made_template
+from helpers import TEMPLATES
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from fab.jobs.job import load_job
+from fab.jobs.job_files import make
 from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.inspection import measure_pattern
@@ -501,7 +503,7 @@ def test_the_design_reports_progress_and_may_end_with_the_pentagon():
 
 
 def test_files_of_the_design_have_the_pentagon():
-    made = made_template("cornered_miura")
+    made = make(load_job(TEMPLATES / "cornered_miura.toml"), ["fold", "stl"])
     document = json.loads(made.files["cornered_miura.fold"])
     assert sorted({len(face) for face in document["faces_vertices"]}) == [4, 5]
     assert sum(len(face) == 5 for face in document["faces_vertices"]) == 1

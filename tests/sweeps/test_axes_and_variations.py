@@ -1,5 +1,6 @@
 """Axes, their combinations and constraints: the values of every variation."""
 
+import re
 from itertools import product
 
 import pytest
@@ -74,6 +75,38 @@ def test_a_latin_hypercube_has_each_axis_spread_evenly_and_is_the_same_again(tmp
     assert [v.values for v in swept(tmp_path, text)[1]] == values
 
 
+@pytest.mark.parametrize(
+    ("given", "values"),
+    [
+        ("fold_deg = { from = 20, to = 70, steps = 5 }", (20.0, 32.5, 45.0, 57.5, 70.0)),
+        ("fold_deg = { from = 0.1, to = 0.7, steps = 7 }", (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7)),
+        ("fold_deg = [30, 45.5]", (30.0, 45.5)),
+        ("rows = { from = 2.0, to = 8.0, steps = 3 }", (2, 5, 8)),
+        ("rows = { from = 8, to = 2, steps = 3 }", (8, 5, 2)),
+        ("rows = [2.0, 3]", (2, 3)),
+    ],
+)
+def test_values_are_whole_where_the_key_takes_nothing_else(tmp_path, given, values):
+    _, found = swept(tmp_path, f"[axes]\ndesign.{given}\n")
+    assert found.axes[0].values == values
+    assert [type(value) for value in found.axes[0].values] == [type(value) for value in values]
+
+
+def test_numbers_are_drawn_between_whole_ends_too_where_the_key_takes_any(tmp_path):
+    drawn = (
+        "fold_deg = { random = [20, 70], count = 9 }\ndesign.rows = { random = [2, 6], count = 9 }"
+    )
+    _, found = swept(tmp_path, f'combine = "zip"\n[axes]\ndesign.{drawn}\n')
+    angles, rows = ([v.values[key] for v in found] for key in ("design.fold_deg", "design.rows"))
+    assert not any(angle.is_integer() for angle in angles)
+    assert all(type(row) is int for row in rows)
+    cube = 'combine = "latin_hypercube"\ncount = 9\n[axes]\n'
+    _, found = swept(tmp_path, f"{cube}design.fold_deg = [20, 70]\ndesign.rows = [2, 6]\n")
+    angles, rows = ([v.values[key] for v in found] for key in ("design.fold_deg", "design.rows"))
+    assert not any(angle.is_integer() for angle in angles)
+    assert all(type(row) is int for row in rows)
+
+
 def test_random_values_lie_within_their_bounds_and_follow_the_seed():
     table = {"a": {"random": [1.0, 2.0], "count": 50, "seed": 4}}
     (first,), (again,) = axes_of(table, "s"), axes_of(table, "s")
@@ -92,7 +125,26 @@ def test_random_values_lie_within_their_bounds_and_follow_the_seed():
         ("[axes]\ndesign.rows = 4\n", "must be a list of values"),
         ("[axes]\ndesign.rows = [2, 2]\n", "2 is listed twice"),
         ("[axes]\ndesign.rows = [[1, 2]]\n", "must be a number, text, true or false"),
-        ("[axes]\ndesign.rows = { from = 1, to = 4, steps = 3 }\n", "are no whole numbers"),
+        (
+            "[axes]\ndesign.rows = { from = 2, to = 8, steps = 5 }\n",
+            "from 2 to 8 in 5 steps are no whole numbers. Take steps = 4 or 7",
+        ),
+        ("[axes]\ndesign.rows = { from = 2.5, to = 8, steps = 5 }\n", "2.5 must be a whole number"),
+        ("[axes]\ndesign.rows = { from = 2, to = 2, steps = 3 }\n", "both 2: write [2]"),
+        ("[axes]\ndesign.rows = { form = 2, to = 4, steps = 3 }\n", "Known here: from, steps, to."),
+        (f"[axes]\ndesign.rows = [{10**30}]\n", "must be within +-9223372036854775807"),
+        (
+            f"[axes]\ndesign.rows = {{ random = [1, {10**30}], count = 2 }}\n",
+            "must be within +-9223372036854775807",
+        ),
+        (
+            "[axes]\ndesign.fold_deg = { from = -1e308, to = 1e308, steps = 3 }\n",
+            "must be within +-1e+300",
+        ),
+        (
+            'combine = "latin_hypercube"\ncount = 1_000_000_000\n[axes]\na.b = [1]\n',
+            "count = 1000000000 must be at most 10000000",
+        ),
         ("[axes]\ndesign.rows = { from = 1, to = 4 }\n", "steps is missing"),
         ("[axes]\ndesign.rows = { random = [4, 1], count = 3 }\n", "lower value first"),
         ('combine = "zip"\n[axes]\na.b = [1]\na.c = [1, 2]\n', "axes of equal length"),
@@ -104,7 +156,7 @@ def test_random_values_lie_within_their_bounds_and_follow_the_seed():
     ],
 )
 def test_what_is_wrong_is_named(tmp_path, text, words):
-    with pytest.raises(InvalidJob, match=words.replace("(", r"\(")):
+    with pytest.raises(InvalidJob, match=re.escape(words)):
         swept(tmp_path, text)
 
 

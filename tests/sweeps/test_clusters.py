@@ -17,9 +17,15 @@ from fab.sweeps.sweep_settings import load_sweep
 
 pytest.importorskip("distributed", reason="distributed is not installed")
 
+# Small sheets: what is shown is who does it. Killing waits for rows, and not for a time.
+JOB = """
+name = "c"
+sheet = { width_mm = 100.0 }
+design = { kind = "curved_fold", columns = 20, strips = 3 }
+"""
 SWEEP = """
 name = "s"
-base = "curved_fold"
+base = "base.toml"
 [axes]
 design.k_deg = { from = 180.2, to = 181.5, steps = 40 }
 """
@@ -41,9 +47,12 @@ def started(*words, mark):
     raise AssertionError(f"{words[0]} ended with {process.wait()}")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def cluster():
-    """The address of a scheduler with two workers, and the processes of these."""
+    """The address of a scheduler with two workers, and the processes of these.
+
+    For both tests, of which each kills another of them.
+    """
     quiet = ("--no-dashboard",)
     scheduler, address = started(
         "dask_scheduler",
@@ -70,12 +79,13 @@ def cluster():
 def sweep(tmp_path):
     path = tmp_path / "s.toml"
     path.write_text(SWEEP)
+    (tmp_path / "base.toml").write_text(JOB)
     return load_sweep(path)
 
 
-def test_a_worker_that_is_killed_in_the_middle_loses_nothing(cluster, sweep, tmp_path):
+def test_a_worker_that_is_killed_in_the_middle_loses_nothing(here, cluster, sweep, tmp_path):
     address, _, workers = cluster
-    run_sweep(sweep, tmp_path / "pool", jobs=2)
+    run_sweep(sweep, tmp_path / "here")
     settings = ClusterSettings(kind="address", address=address, workers=2)
     killed = []
 
@@ -87,10 +97,10 @@ def test_a_worker_that_is_killed_in_the_middle_loses_nothing(cluster, sweep, tmp
     result = run_sweep(sweep, tmp_path / "dask", cluster=settings, progress=progress)
     assert 0 < killed[0] < 40
     assert result.statuses == {"made": 40}
-    assert rows_of(tmp_path / "dask") == rows_of(tmp_path / "pool")
+    assert rows_of(tmp_path / "dask") == rows_of(tmp_path / "here")
 
 
-def test_what_is_done_is_kept_when_the_scheduler_goes(cluster, sweep, tmp_path):
+def test_what_is_done_is_kept_when_the_scheduler_goes(here, cluster, sweep, tmp_path):
     address, scheduler, _ = cluster
     settings = ClusterSettings(kind="address", address=address, workers=2)
 
@@ -103,7 +113,7 @@ def test_what_is_done_is_kept_when_the_scheduler_goes(cluster, sweep, tmp_path):
         run_sweep(sweep, tmp_path / "out", cluster=settings, progress=progress)
     begun = len(list((tmp_path / "out/parts").glob("*.parquet")))
     assert begun
-    result = run_sweep(sweep, tmp_path / "out", jobs=2)
+    result = run_sweep(sweep, tmp_path / "out")
     assert result.begun_with >= begun
     assert result.statuses == {"made": 40}
 

@@ -17,6 +17,7 @@ from fab.sweeps.sweep_settings import load_sweep
 from fab.sweeps.sweep_table import choose
 
 pytest.importorskip("optuna", reason="optuna is not installed")
+pytestmark = pytest.mark.usefixtures("here")
 
 # A sheet whose longer side when flat is twice a function of its keys, and a constant, in mm; its
 # shorter side falls with x.
@@ -169,12 +170,30 @@ def test_variations_that_constraints_leave_out_are_not_run(tmp_path):
         ('minimise = ["faces"], conditions = ["faces <"], trials = 5', "is no condition"),
         ('minimise = ["growth.status"], trials = 5', "growth.status is no column of numbers"),
         ('minimise = ["faces"]', "trials is missing"),
+        (
+            'minimise = ["sheets.minutes"], trials = 5',
+            "sheets.minutes is not measured. Add measure = ['sheets']",
+        ),
+        (
+            'minimise = ["faces"], conditions = ["mass_g < 5"], trials = 5',
+            "solids.mass_g is not measured. Add measure = ['thick']",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_search_is_named(tmp_path, search, words):
     with pytest.raises(InvalidJob) as raised:
         searched(tmp_path, search, BOWL)
     assert words in str(raised.value)
+
+
+def test_a_search_takes_no_combination_and_says_when_nothing_is_the_best(tmp_path):
+    goal = 'minimise = ["flat.x_mm"], conditions = ["flat.x_mm < 0"], trials = 3'
+    head = 'combine = "latin_hypercube"\ncount = 3\n'
+    with pytest.raises(InvalidJob, match="a search proposes the variations itself"):
+        searched(tmp_path, goal, BOWL, head)
+    result = searched(tmp_path, goal, BOWL)
+    assert result.best == ()
+    assert "no trial was made that meets the conditions" in "\n".join(result.lines())
 
 
 @given(

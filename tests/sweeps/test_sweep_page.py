@@ -1,6 +1,8 @@
 """The page of a sweep: it has the rows of the table, sorts and filters, and loads nothing."""
 
 import io
+import json
+import re
 
 import numpy as np
 import pytest
@@ -107,6 +109,32 @@ def test_the_same_rows_give_the_same_page():
     assert b"the first 30 of 40 variations" in first
     slower = [{**row, "seconds": 5.0} for row in rows]
     assert sweep_page_bytes("a", AXES, slower, 40, {}) == first
+
+
+def test_figures_of_makers_come_first_and_names_that_are_alike_are_longer():
+    rows = [
+        {**row, "flat.x_mm": float(n), "folded.x_mm": -float(n), "counts.vertices": n}
+        for n, row in enumerate(rows_of(3))
+    ]
+    page = sweep_page_bytes("a", AXES, rows, 3, {}).decode()
+    columns = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["columns"]
+    names = [column["name"] for column in columns]
+    assert names.index("sheets.minutes") < names.index("flat.x_mm") < names.index("counts.vertices")
+    titles = {column["name"]: column["axis"] for column in columns}
+    assert titles["sheets.minutes"] == "minutes"
+    assert (titles["flat.x_mm"], titles["folded.x_mm"]) == ("flat.x_mm", "folded.x_mm")
+    assert titles["status"] is None
+
+
+def test_captions_have_two_lines_where_one_is_too_short():
+    words = ("0: fold_deg 30, columns 6, rows 4, ", "width_mm 300, and so on")
+    sheets = [
+        np.asarray(Image.open(io.BytesIO(contact_sheet_bytes([(text, picture_bytes(0))]))))
+        for text in (words[0], "".join(words))
+    ]
+    assert sheets[1].shape[0] == sheets[0].shape[0] + 14
+    assert (sheets[1][: sheets[0].shape[0]] == sheets[0]).all()
+    assert sheets[1][sheets[0].shape[0] :].min() < 90
 
 
 def test_a_contact_sheet_has_every_picture_in_its_place():

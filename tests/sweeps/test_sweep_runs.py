@@ -1,5 +1,6 @@
 """Runs of sweeps: what crashes is a row, what is there is not done again, and all ways agree."""
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -17,6 +18,8 @@ from fab.errors import InvalidJob
 from fab.jobs.job import load_job
 from fab.jobs.job_files import make
 from fab.sweeps.cluster import ClusterSettings, job_script
+from fab.sweeps.columns import FIGURES, OUTCOME
+from fab.sweeps.parts import Parts
 from fab.sweeps.sweep_run import estimate, run_sweep
 from fab.sweeps.sweep_settings import load_sweep
 
@@ -29,7 +32,7 @@ design.fold_deg = { from = 10.0, to = 100.0, steps = 4 }
 """
 # A design that does what its key says, in the place of the growth of a Miura sheet.
 UNRULY = """
-import os, time
+import os, signal, time
 from contextlib import suppress
 from dataclasses import dataclass
 from solver import Miura
@@ -41,6 +44,8 @@ class Unruly:
     def grow(self, progress=None):
         if self.how == "dies":
             os._exit(3)
+        if self.how == "is killed":
+            os.kill(os.getpid(), signal.SIGKILL)
         if self.how == "fails":
             raise RuntimeError("no reason")
         if self.how == "sleeps":
@@ -53,7 +58,7 @@ class Unruly:
         return Miura(columns=2, rows=2).grow()
 """
 
-# A design whose first growth kills its process.
+# A design of which one kills its process when it grows first, and again the second time.
 ONCE = """
 import os, signal
 from dataclasses import dataclass
@@ -66,8 +71,9 @@ class Once:
     columns: int = 2
 
     def grow(self, progress=None):
-        if self.columns == 4 and not Path(self.mark).exists():
-            Path(self.mark).touch()
+        mark = Path(self.mark)
+        if self.columns == 4 and (times := len(mark.read_text()) if mark.exists() else 0) < 2:
+            mark.write_text("x" * (times + 1))
             os.kill(os.getpid(), signal.SIGKILL)
         return Miura(columns=self.columns, rows=2).grow()
 """
@@ -97,7 +103,7 @@ def test_every_variation_has_a_row_and_alike_ones_are_run_once(small, tmp_path):
     assert (again.begun_with, again.statuses) == (12, result.statuses)
 
 
-def test_values_of_several_types_are_text_in_the_table(small, tmp_path):
+def test_values_of_several_types_are_text_in_the_table(here, small, tmp_path):
     small.write_text('name = "s"\nbase = "miura"\n[axes]\ndesign.kind = ["miura", 3, true]\n')
     run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
     rows = rows_of(tmp_path / "out")
@@ -105,7 +111,7 @@ def test_values_of_several_types_are_text_in_the_table(small, tmp_path):
     assert [row["status"] for row in rows] == ["made", "refused", "refused"]
 
 
-def test_a_changed_sweep_takes_what_fits(small, tmp_path):
+def test_a_changed_sweep_takes_what_fits(here, small, tmp_path):
     run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
     before = {row["job_hash"]: row for row in rows_of(tmp_path / "out")}
     small.write_text(SMALL.replace("[2, 3, 4]", "[5, 4, 2]"))
@@ -122,7 +128,7 @@ def test_what_fails_hangs_or_crashes_is_a_row_with_its_reason(tmp_path):
     (tmp_path / "base.toml").write_text(
         'name = "u"\nsheet = { width_mm = 100.0 }\ndesign = { kind = "unruly.py:Unruly" }\n'
     )
-    hows = ["well", "dies", "fails", "sleeps", "hangs", "grows"]
+    hows = ["well", "dies", "is killed", "fails", "sleeps", "hangs", "grows"]
     (tmp_path / "sweep.toml").write_text(
         'name = "s"\nbase = "base.toml"\nlimits = { seconds = 3.0, memory_mb = 4000 }\n'
         f"[axes]\ndesign.how = {hows}\n"
@@ -134,12 +140,14 @@ def test_what_fails_hangs_or_crashes_is_a_row_with_its_reason(tmp_path):
     assert statuses == {
         "well": "made",
         "dies": "crashed",
+        "is killed": "crashed",
         "fails": "refused",
         "sleeps": "too slow",
         "hangs": "too slow",
         "grows": "too large",
     }
     assert rows["dies"]["message"] == "its process ended with exit code 3"
+    assert rows["is killed"]["message"] == "its process ended by SIGKILL"
     assert "could not be interrupted" in rows["hangs"]["message"]
     assert "no reason" in rows["fails"]["message"]
     with pytest.raises(InvalidJob, match=r"unruly\.py"):
@@ -177,7 +185,7 @@ def test_a_sweep_that_is_killed_goes_on_and_gives_the_same_table(small, tmp_path
     assert not list(out.rglob(".*.parquet.*"))
 
 
-def test_a_folder_that_takes_no_files_ends_the_sweep_and_blames_no_variation(small, tmp_path):
+def test_a_folder_that_takes_no_files_ends_the_sweep_and_blames_no_variation(here, small, tmp_path):
     small.write_text('outputs = ["fold"]\n' + SMALL)
     out = tmp_path / "out"
     out.mkdir()
@@ -243,7 +251,7 @@ def test_a_scheduler_that_is_not_there_is_told(small, tmp_path):
     assert "no scheduler answers there" in result.stderr
 
 
-def test_the_table_is_chosen_from(small, tmp_path):
+def test_the_table_is_chosen_from(here, small, tmp_path):
     out = tmp_path / "out"
     assert CliRunner().invoke(main, ["sweep", str(small), "--out", str(out)]).exit_code == 0
 
@@ -263,7 +271,7 @@ def test_the_table_is_chosen_from(small, tmp_path):
         assert refused.exit_code == 2, where
 
 
-def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(tmp_path):
+def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(here, tmp_path):
     path = tmp_path / "s.toml"
     path.write_text(
         'name = "s"\nbase = "base.toml"\nmeasure = ["rigid", "fold", "thick", "sheets"]\n'
@@ -293,7 +301,7 @@ def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(tmp_path):
 
 @pytest.mark.skipif(os.name != "posix", reason="killing processes of a worker by signal is POSIX")
 def test_a_worker_that_is_killed_loses_nothing(tmp_path):
-    """The worker of a pool kills itself with SIGKILL once, as the kernel does without memory."""
+    """A worker kills itself with SIGKILL, as the kernel does without memory; the next one too."""
     (tmp_path / "once.py").write_text(ONCE)
     (tmp_path / "base.toml").write_text(
         'name = "u"\nsheet = { width_mm = 100.0 }\ndesign = { kind = "once.py:Once" }\n'
@@ -304,4 +312,86 @@ def test_a_worker_that_is_killed_loses_nothing(tmp_path):
         load_sweep(tmp_path / "sweep.toml", allow_code=True), tmp_path / "out", jobs=2
     )
     assert result.statuses == {"made": 6}
-    assert (tmp_path / "mark").exists()
+    assert (tmp_path / "mark").read_text() == "xx"
+
+
+def test_rows_that_a_lower_limit_ended_are_run_again(here, tmp_path):
+    (tmp_path / "slow.py").write_text(
+        "import time\nfrom dataclasses import dataclass\nfrom solver import Miura\n\n"
+        "@dataclass(frozen=True)\nclass Slow:\n    columns: int = 2\n\n"
+        "    def grow(self, progress=None):\n        if self.columns == 3:\n"
+        "            time.sleep(1.0)\n        return Miura(columns=self.columns, rows=2).grow()\n"
+    )
+    (tmp_path / "base.toml").write_text(
+        'name = "s"\nsheet = { width_mm = 100.0 }\ndesign = { kind = "slow.py:Slow" }\n'
+    )
+
+    def swept(seconds):
+        (tmp_path / "s.toml").write_text(
+            f'name = "s"\nbase = "base.toml"\nlimits = {{ seconds = {seconds} }}\n'
+            "[axes]\ndesign.columns = [2, 3, 4]\n"
+        )
+        return run_sweep(load_sweep(tmp_path / "s.toml", allow_code=True), tmp_path / "out", jobs=1)
+
+    assert swept(0.8).statuses == {"made": 2, "too slow": 1}
+    lower = swept(0.7)
+    assert (lower.statuses, lower.again) == ({"made": 2, "too slow": 1}, 0)
+    higher = swept(60.0)
+    assert (higher.statuses, higher.again, higher.begun_with) == ({"made": 3}, 1, 2)
+    assert "1 job that had crashed, or come to a limit" in "\n".join(higher.lines())
+
+
+def test_rows_are_those_of_the_files_that_a_job_names(here, tmp_path):
+    """A design of one's own that is edited gives other rows, and again the first ones."""
+    (tmp_path / "base.toml").write_text(
+        'name = "s"\nsheet = { width_mm = 100.0 }\ndesign = { kind = "own.py:Own" }\n'
+    )
+    (tmp_path / "s.toml").write_text(
+        'name = "s"\nbase = "base.toml"\n[axes]\ndesign.rows = [2, 3]\n'
+    )
+
+    def swept(columns):
+        (tmp_path / "own.py").write_text(
+            "from dataclasses import dataclass\nfrom solver import Miura\n\n"
+            "@dataclass(frozen=True)\nclass Own:\n    rows: int = 2\n\n"
+            "    def grow(self, progress=None):\n"
+            f"        return Miura(columns={columns}, rows=self.rows).grow()\n"
+        )
+        sweep = load_sweep(tmp_path / "s.toml", allow_code=True)
+        result = run_sweep(sweep, tmp_path / "out", jobs=1)
+        return result.begun_with, [row["counts.faces"] for row in result.rows()]
+
+    assert [swept(2), swept(3), swept(2)] == [(0, [4, 6]), (0, [6, 9]), (2, [4, 6])]
+
+
+def test_parts_keep_rows_when_others_of_them_are_dropped(tmp_path):
+    columns = [column.name for column in (*OUTCOME, *FIGURES)]
+    limits = {"limits.seconds": 5.0, "limits.memory_mb": None}
+    ways = ["made", "crashed", "made", "too slow"]
+    rows = [
+        {**dict.fromkeys(columns), **limits, "job_hash": f"h{number}", "status": status}
+        for number, status in enumerate(ways)
+    ]
+    parts = Parts(tmp_path)
+    parts.add(rows[:3])
+    parts.add(rows[3:])
+    assert parts.drop(lambda row: row["status"] != "made") == 2
+    assert parts.hashes() == {"h0", "h2"}
+    parts.add([rows[0], rows[1], rows[3]])  # beginning with a row that another part begins with
+    assert parts.hashes() == {"h0", "h1", "h2", "h3"}
+
+
+def test_a_process_of_a_sweep_that_begins_a_sweep_is_told_what_is_missing(
+    small, tmp_path, monkeypatch
+):
+    sweep = load_sweep(small)
+    monkeypatch.setattr(multiprocessing.current_process(), "_inheriting", True, raising=False)
+    with pytest.raises(InvalidJob, match=r"keep what it runs, .* `if __name__"):
+        run_sweep(sweep, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_sheets_are_not_measured_without_a_cutter(small, tmp_path):
+    small.write_text('measure = ["sheets"]\n' + SMALL)
+    with pytest.raises(InvalidJob, match=r"needs a table \[cutter\]"):
+        run_sweep(load_sweep(small), tmp_path / "out")

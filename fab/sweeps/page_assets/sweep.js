@@ -48,7 +48,7 @@ svg.append(...lines);
 axes.forEach((axis, number) => {
   const x = xOf(number);
   svg.append(made("line", { x1: x, x2: x, y1: TOP, y2: BOTTOM }));
-  svg.append(made("text", { x, y: number % 2 ? 12 : 26, "text-anchor": "middle" }, axis.name.split(".").pop()));
+  svg.append(made("text", { x, y: number % 2 ? 12 : 26, "text-anchor": "middle" }, axis.axis));
   const ends = axis.numbers ? axis.ends.map((text, place) => [text, place]) : axis.kinds.map((kind) => [shown(kind), axis.share(kind)]);
   for (const [text, share] of ends) svg.append(made("text", { x: x + 6, y: yOf(share) + (share < 0.5 ? 14 : -3), "text-anchor": "start" }, text));
   const box = made("rect", { x: x - 9, width: 18, y: TOP, height: 0, visibility: "hidden" });

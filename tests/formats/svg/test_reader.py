@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from flat_patterns import grid, triangles
 from formats.svg import dialects
-from helpers import made_template
+from helpers import TEMPLATES
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -22,6 +22,8 @@ from fab.formats.read_options import ReadOptions
 from fab.formats.svg.reader import FLATNESS_MM, read_svg
 from fab.formats.svg.viewports import PX_MM
 from fab.formats.svg.writer import simulator_svg_bytes
+from fab.jobs.job import load_job
+from fab.jobs.job_files import make
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.crease_styles import DashStyle, DotStyle
 from fab.sheets.perforation import PerforationSettings, perforate
@@ -158,7 +160,7 @@ def test_our_own_sheet_is_the_pattern_again(name, style, kerf, tmp_path):
 @pytest.mark.parametrize("name", ["curved_fold", "crumpled", "miura"])
 def test_sheets_of_jobs_are_their_patterns_again(name, tmp_path):
     """Creases that all but go straight on at their vertices, and very short ones, are resolved."""
-    files = made_template(name).files
+    files = make(load_job(TEMPLATES / f"{name}.toml"), ["svg", "fold"]).files
     soup = read(tmp_path, files[f"{name}.svg"])
     path = tmp_path / "pattern.fold"
     path.write_bytes(files[f"{name}.fold"])
