@@ -68,7 +68,7 @@ def angle_at(p, q, r) -> float:
 
 @cache
 def made_template(name: str) -> Made:
-    """All files of a shipped job, made once for the whole suite."""
+    """All files of a shipped job, made once in a process."""
     return make(load_job(TEMPLATES / f"{name}.toml"))
 
 

@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 from flat_patterns import grid, pattern_of
 from folded_strips import strip
-from helpers import PATTERNS, TEMPLATES, made_template
+from helpers import PATTERNS, TEMPLATES
 from PIL import Image
 
 from fab import read_pattern
@@ -124,7 +124,8 @@ def test_a_job_is_simulated_from_its_file_and_on_request(tmp_path):
     simulation = make(job, [Format.FOLD]).report["simulation"]
     assert simulation["reached"]
     assert len(simulation["path"]) == 6
-    assert made_template("miura").report["simulation"] is None
+    job = load_job(TEMPLATES / "miura.toml")
+    assert make(job, [Format.FOLD]).report["simulation"] is None
 
 
 def test_the_dynamic_solver_can_be_asked_for():
