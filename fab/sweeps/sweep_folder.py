@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -30,6 +30,8 @@ from fab.sweeps.variations import Variation, hash_of
 
 __all__ = ["Listed", "Plan", "SweepFolder", "Varied", "locked"]
 
+# Files that are being written, beside their places.
+_STRAY = (".*.parquet.*", ".*.new")
 _RESULTS = ("results.parquet", "results.csv")
 # A page holds so many pictures.
 _PICTURES = 500
@@ -115,7 +117,8 @@ class SweepFolder:
     def require_parts(self) -> None:
         """Make the folder of the parts, without what a run that was killed left beside them."""
         (self.path / "parts").mkdir(parents=True, exist_ok=True)
-        for stray in [*self.path.glob(".*.parquet.*"), *(self.path / "parts").glob(".*.parquet.*")]:
+        folders = (self.path, self.path / "parts", self.path / "pictures")
+        for stray in (s for folder in folders for form in _STRAY for s in folder.glob(form)):
             stray.unlink(missing_ok=True)
 
     def drop_unsettled(self) -> int:
@@ -150,6 +153,9 @@ class SweepFolder:
             beside.replace(place)
         except OSError as error:
             raise unwritten(place, error) from error
+        finally:
+            with suppress(OSError):  # of a disk that is full, where it would be in the way
+                beside.unlink(missing_ok=True)
 
     def write_page(self) -> None:
         """Write the page, and the contact sheet where there are pictures, of the table as it is."""

@@ -199,6 +199,11 @@ def test_a_folder_that_takes_no_files_ends_the_sweep_and_blames_no_variation(her
     (out / "results.csv").mkdir()
     with pytest.raises(InvalidJob, match=r"results\.csv: cannot be written"):
         run_sweep(load_sweep(small), out, jobs=1)
+    (out / "results.csv").rmdir()
+    (out / "sweep.html").unlink()
+    (out / "sweep.html").mkdir()
+    with pytest.raises(InvalidJob, match=r"sweep\.html: cannot be written"):
+        run_sweep(load_sweep(small), out, jobs=1)
     assert not list(out.glob(".*.new"))
 
 
