@@ -216,18 +216,17 @@ def _broken(context: Mapping[str, Any]) -> str:
 
 
 def _hint(model: type[Settings], place: Sequence[str], same: Sequence[str], document: Any) -> str:
-    """The nearest known key: of the same table, or else of any other."""
+    """The nearest known key: of the same table, or else of any others."""
     *above, key = place
     close = nearest(key, same)
     if close:
         return f" Did you mean {'.'.join([*above, close])}?"
-    elsewhere = {
-        inner: f"{table}.{inner}"
-        for table in model.model_fields
-        for inner in _known_keys(model, [table], document)
-    }
+    elsewhere: dict[str, list[str]] = {}
+    for table in model.model_fields:
+        for inner in _known_keys(model, [table], document):
+            elsewhere.setdefault(inner, []).append(f"{table}.{inner}")
     close = nearest(key, elsewhere, 0.8)
-    return f" Did you mean {elsewhere[close]}?" if close else ""
+    return f" Did you mean {' or '.join(elsewhere[close])}?" if close else ""
 
 
 def _known_keys(model: type[Settings], place: Sequence[str], document: Any) -> list[str]:

@@ -328,6 +328,8 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
     reached = "folds to its target" if verdict["reached"] else "does not reach its target"
     if verdict["kind"] == "cannot-lie-flat":
         reached = "cannot lie flat, though its angles are reached"
+    elif verdict["kind"] == "is-stopped" and verdict["reached"]:
+        reached = "only if its faces pass through each other it comes to its target"
     yield (
         f"{reached}: "
         + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")

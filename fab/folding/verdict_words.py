@@ -174,10 +174,10 @@ def in_words(
     off = _vertices_off(folding, verdict) if kind is VerdictKind.MISSES else ""
     if off:
         kind = VerdictKind.VERTICES_OFF
-    if _text_of(findings, _STOPPED):
-        kind = VerdictKind.STOPPED
-    elif kind is not VerdictKind.MISSES and _text_of(findings, VerdictKind.UNORDERED, errors=True):
+    if kind is not VerdictKind.MISSES and _text_of(findings, VerdictKind.UNORDERED, errors=True):
         kind = VerdictKind.UNORDERED
+    elif _text_of(findings, _STOPPED):
+        kind = VerdictKind.STOPPED
     made = VerdictWords(kind, off, bend, barrier, tuple(sheets), strains)
     if kind is VerdictKind.VERTICES_OFF:
         return made

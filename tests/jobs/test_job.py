@@ -254,7 +254,7 @@ def test_growth_that_stops_is_an_error_with_advice():
         (small(design={"columns": 3}), "design.kind"),
         (small(design=3), "design = 3 must be a table"),
         (small(row=3), "row is not a known key. Did you mean design.rows"),
-        (small(thickness_mm=3), "Did you mean panels.thickness_mm"),
+        (small(thickness_mm=3), "Did you mean panels.thickness_mm or simulation.thickness_mm"),
         (small(sheet=[1]), "sheet = .1. must be a table"),
         (
             small(perforation__margin_mm=1e17),

@@ -66,18 +66,22 @@ def test_a_dome_in_a_file_becomes_a_sheet(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("face", "faults"),
+    ("face", "faults", "cure"),
     [
-        ("a", {"": ("'a'", 'a whole number or be a list, such as [1.0, 2.0] or ["A", "B"]')}),
-        ([1, "x", 0.5], {".1": ("'x'", "a whole number"), ".2": ("0.5", "a whole number")}),
+        (
+            "a",
+            {"": ("'a'", 'a whole number or be a list, such as [1.0, 2.0] or ["A", "B"]')},
+            " (number of the face of a STEP file, or several; all of them where left out)",
+        ),
+        ([1, "x", 0.5], {".1": ("'x'", "a whole number"), ".2": ("0.5", "a whole number")}, ""),
     ],
 )
-def test_faces_that_are_no_numbers_are_named(face, faults):
+def test_faces_that_are_no_numbers_are_named(face, faults, cure):
     design = {"kind": "surface_fit", "surface": "roof.step", "face": face}
     with pytest.raises(InvalidJob) as caught:
         parse_job({"name": "roof", "design": design, "sheet": {"width_mm": 90.0}}, "roof.toml")
     assert str(caught.value).removeprefix("roof.toml: ").splitlines() == [
-        f"design.face{place} = {value} is out of bounds: it must be {bound}. Correct it."
+        f"design.face{place} = {value} is out of bounds: it must be {bound}. Correct it{cure}."
         for place, (value, bound) in faults.items()
     ]
 

@@ -25,8 +25,8 @@ def triangle_weights(points: FloatArray) -> FloatArray:
 
     >>> corners = [[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]
     >>> points = np.array([[[0.25, 0.5, 3.0], *corners], [[2.0, 0, 1], *corners]])
-    >>> triangle_weights(points).tolist()
-    [[1.0, -0.25, -0.25, -0.5], [1.0, -0.0, -1.0, -0.0]]
+    >>> (triangle_weights(points) + 0.0).tolist()
+    [[1.0, -0.25, -0.25, -0.5], [1.0, 0.0, -1.0, 0.0]]
     """
     vertex, first, second, third = points.swapaxes(0, 1)
     ab, ac, ap = second - first, third - first, vertex - first
