@@ -61,6 +61,8 @@ class FoldCheckpoints:
         self._key, self._loads = _key(frame, path, loads, per_step), loads
         self._kept_at, self._fails = time.monotonic(), False
         file = self._file
+        with suppress(OSError):
+            self._beside.unlink(missing_ok=True)  # of a run that was killed while it wrote
         if not file.is_file():
             return None
         self._used.append(file)
@@ -83,7 +85,7 @@ class FoldCheckpoints:
         over = reached.number == self._loads and file in self._used
         if self._fails or not (over or time.monotonic() >= self._kept_at + self._every_s):
             return
-        beside = file.with_name(f".{file.name}.part")
+        beside = self._beside
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
             with beside.open("wb") as stream:
@@ -115,6 +117,10 @@ class FoldCheckpoints:
     @property
     def _file(self) -> Path:
         return self._folder / f"{self._name}_checkpoint_{self._key[:12]}.npz"
+
+    @property
+    def _beside(self) -> Path:
+        return self._file.with_name(f".{self._file.name}.part")
 
 
 def _key(frame: Framework, path: FloatArray, loads: int, per_step: int) -> str:

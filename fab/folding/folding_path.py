@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from fab.folding.bar_hinge_model import Framework
 from fab.folding.damped import DampedSystems
-from fab.folding.quasi_static import largest_turns, path_at
+from fab.folding.quasi_static import largest_turns, path_at, straight_path
 from fab.pattern.kinematics import next_around
 from fab.progress import Steps, no_steps
 from solver.graphs import EdgeIndex
@@ -59,7 +59,7 @@ def closing_path(frame: Framework, progress: Steps = no_steps) -> FoldingPath:
     progress : called with the Gauss-Newton steps done, and of all.
     """
     closure = hinges_around(frame)
-    path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+    path = straight_path(frame)
     systems = DampedSystems()
     weights = [weight for weight in _WEIGHTS for _ in range(_STEPS)]
     for number, weight in enumerate(weights):

@@ -32,7 +32,7 @@ class Linearised:
         `stiffness`, at fixed vertices.
     stiffness : mean of the diagonal over the unknowns that are free.
     trace : the sum of this diagonal.
-    pulled : whether potentials pull at any vertex that is free.
+    pull : the part of the gradient that is of potentials, shape (nv, 3).
     """
 
     gradient: FloatArray
@@ -40,7 +40,12 @@ class Linearised:
     system: SymmetricSystem
     stiffness: float
     trace: float
-    pulled: bool
+    pull: FloatArray
+
+    @property
+    def pulled(self) -> bool:
+        """Whether potentials pull at any vertex that is free."""
+        return bool(np.any(self.pull != 0))
 
     def step(self, damping: float) -> FloatArray | None:
         """The step to the minimum, shape (nv, 3); None where it is not found.
@@ -95,12 +100,4 @@ class NewtonSystem:
         if self._fixed is not None:
             entries[self._held] = 0.0
             entries[self._system.triangle.diagonal[self._fixed]] = stiffness
-        pulled = bool(np.any(pull != 0))
-        return Linearised(
-            gradient + pull if pulled else gradient,
-            entries,
-            self._system,
-            stiffness,
-            trace,
-            pulled,
-        )
+        return Linearised(gradient + pull, entries, self._system, stiffness, trace, pull)

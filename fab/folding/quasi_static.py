@@ -28,7 +28,6 @@ from solver.errors import require_count
 from solver.vectors import BoolArray, FloatArray
 
 __all__ = [
-    "FARTHEST_RAD",
     "Checkpoint",
     "FoldState",
     "Folding",
@@ -37,13 +36,14 @@ __all__ = [
     "flat_state",
     "fold",
     "largest_turns",
+    "loads_per_step",
     "path_at",
     "state_of",
+    "straight_path",
 ]
 
 # Hinges turn by no more from load to load.
-FARTHEST_RAD = np.radians(20.0)
-
+_FARTHEST_RAD = np.radians(20.0)
 # Systems that a load takes at first guess.
 _USUAL = 3.0
 # A predicted sheet is brought to its fixed vertices; the others decide where these leave it free.
@@ -172,10 +172,8 @@ def fold(
     predictor, system = rotation_predictor(frame), NewtonSystem(frame, fixed)
     held = fixed if fixed is not None and fixed.any() else None
     in_turn = path is not None
-    if path is None:
-        path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
-    length = float(largest_turns(path).sum())
-    per_step = max(1, int(np.ceil(length / (FARTHEST_RAD * steps))))
+    path = straight_path(frame) if path is None else path
+    per_step = loads_per_step(path, steps)
     loads = per_step * steps
     keeper = None if potentials or held is not None else checkpoint
     reached = keeper.begin(frame, path, loads, per_step) if keeper else None
@@ -213,6 +211,21 @@ def fold(
             keeper.keep(Reached(number, tuple(states), state, angles, solved, rested, peak))
     progress(loads, loads)
     return Folding(frame, tuple(states), in_turn)
+
+
+def straight_path(frame: Framework) -> FloatArray:
+    """The path on which all hinges turn at one rate, shape (2, nh), radians."""
+    return np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
+
+
+def loads_per_step(path: FloatArray, steps: int) -> int:
+    """How many loads each of the steps along a path has, so that no hinge turns too far at once.
+
+    >>> loads_per_step(np.radians([[0.0, 0.0], [90.0, -180.0]]), 3)  # 60 degrees, 20 at a time
+    3
+    """
+    length = float(largest_turns(path).sum())
+    return max(1, int(np.ceil(length / (_FARTHEST_RAD * steps))))
 
 
 def path_at(path: FloatArray, share: float) -> tuple[FloatArray, FloatArray]:

@@ -16,9 +16,10 @@ import numpy as np
 from fab.folding.bar_hinge_model import Energy, Framework
 from fab.folding.newton_system import Linearised, NewtonSystem
 from fab.folding.potentials import Potential, energy_of, free_share
+from fab.progress import Steps
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["Rest", "relaxed"]
+__all__ = ["Rest", "relaxed", "unwatched", "watched"]
 
 # Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
 # fails.
@@ -41,6 +42,9 @@ _NO_GAIN = np.finfo(float).eps
 _CUT_SHORT, _CUT_DAMPING = 0.3, 1e-6
 # The least energy along a step is looked for between these parts of it.
 _LEAST_PART, _NEARLY_ALL = 0.1, 0.9
+# A step is looked at again where potentials have more than this share of what bends along it, and
+# where it gains less than this share of what the curvature promises.
+_MOST_OF_IT = 0.5
 # A step that raises the energy is tried shorter before it is damped.
 _LENGTHS = (1.0, 0.5, 0.25, 0.125)
 
@@ -63,9 +67,15 @@ class Rest:
     settled: bool
 
 
-def _unwatched(solved: int) -> None:
-    """A fold that nobody watches."""
+def unwatched(solved: int) -> None:
+    """A load that nobody watches."""
     del solved
+
+
+def watched(progress: Steps, done: int, loads: int, solved: int) -> None:
+    """A load before which `done` are done: reported at each system, so that it can be ended."""
+    del solved
+    progress(done, loads)
 
 
 def relaxed(
@@ -77,7 +87,7 @@ def relaxed(
     *,
     fixed: BoolArray | None = None,
     system: NewtonSystem | None = None,
-    watch: Callable[[int], None] = _unwatched,
+    watch: Callable[[int], None] = unwatched,
     most: int | None = None,
 ) -> Rest:
     """The local minimum of energy near to `coords`, shape (nv, 3).
@@ -108,8 +118,7 @@ def relaxed(
         step = here.step(damping)
         taken = None
         if step is not None:
-            slope = float(np.sum(here.gradient * step))
-            taken = _lower(frame, coords, step, target, potentials, energy, slope)
+            taken = _lower(frame, coords, step, target, potentials, energy, here)
         if taken is None or step is None:
             if step is not None and _no_more(here, step, damping, energy):
                 return Rest(coords, tuple(accepted), solved, True)
@@ -153,12 +162,13 @@ def _lower(
     target: FloatArray,
     potentials: Sequence[Potential],
     before: Energy,
-    slope: float,
+    here: Linearised,
 ) -> _Taken | None:
     """The longest part of a step that lowers the energy; None where none does.
 
-    slope : of the energy along the step. Under potentials, whose curvature may be less than that of
-    their energy, the step ends where a parabola has its least energy, if that is lower still.
+    Potentials may have less curvature than their energy: where they bend more than the sheet does,
+    a step that gains much less than is promised ends where a parabola has its least energy, if that
+    is lower still.
     """
     free = free_share(potentials, coords, step)
     for length in _LENGTHS:
@@ -166,7 +176,7 @@ def _lower(
         energy = energy_of(frame, there, target, potentials)
         if energy.total < before.total:
             taken = _Taken(there, energy, length, free)
-            return _shorter(frame, coords, step, target, potentials, before, slope, taken)
+            return _shorter(frame, coords, step, target, potentials, before, here, taken)
     return None
 
 
@@ -177,15 +187,21 @@ def _shorter(
     target: FloatArray,
     potentials: Sequence[Potential],
     before: Energy,
-    slope: float,
+    here: Linearised,
     taken: _Taken,
 ) -> _Taken:
     """The part of a step at the least energy of a parabola, where that is lower than at its end."""
-    part = taken.length * taken.free
-    bend = taken.energy.total - before.total - part * slope
-    if not potentials or taken.free < 1 or bend <= 0:
+    if not here.pulled or taken.free < 1:
         return taken
-    least = -slope * part / (2 * bend)
+    part = taken.length
+    slope, pull = (part * float(np.sum(each * step)) for each in (here.gradient, here.pull))
+    gain = before.total - taken.energy.total
+    bend = -gain - slope
+    others = sum(taken.energy.others) - sum(before.others) - pull
+    promised = -slope * (1 - part / 2)
+    if bend <= 0 or others < _MOST_OF_IT * bend or gain > _MOST_OF_IT * promised:
+        return taken
+    least = -slope / (2 * bend)
     if not _LEAST_PART < least < _NEARLY_ALL:
         return taken
     there = coords + least * part * step

@@ -161,3 +161,15 @@ def test_a_process_that_is_killed_goes_on_in_the_next_one(crane, tmp_path):
     assert "goes on at" in done.stdout
     found = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert found == made(crane)
+
+
+def test_what_a_killed_run_was_writing_is_taken_away(miura, tmp_path):
+    frame = framework(miura)
+    fold(frame, STEPS, checkpoint=FoldCheckpoints(tmp_path, "x", every_s=0.0))
+    (file,) = tmp_path.iterdir()
+    file.unlink()
+    (tmp_path / f".{file.name}.part").write_bytes(b"half")
+    kept = FoldCheckpoints(tmp_path, "x")
+    fold(frame, STEPS, checkpoint=kept)
+    kept.remove()
+    assert not list(tmp_path.iterdir())

@@ -48,7 +48,7 @@ def test_a_crane_gets_stuck_all_at_once_and_folds_along_a_path():
     assert "take more steps" in findings_of(verdict)[0].text
     stages = []
     _, verdict, findings = fold_and_judge(
-        pattern, FoldSettings(), progress=lambda *at: stages.append(at)
+        pattern, FoldSettings(contact=False), progress=lambda *at: stages.append(at)
     )
     assert verdict.reached
     assert verdict.in_turn
@@ -63,7 +63,11 @@ def test_a_crane_gets_stuck_all_at_once_and_folds_along_a_path():
 
 
 @pytest.mark.parametrize(
-    "settings", [FoldSettings(axial=200.0), FoldSettings(steps=1, facet=0.07, crease=0.2)]
+    "settings",
+    [
+        FoldSettings(axial=200.0, contact=False),
+        FoldSettings(steps=1, facet=0.07, crease=0.2, contact=False),
+    ],
 )
 def test_cranes_of_any_stiffness_and_either_side_fold_along_a_path(settings):
     pattern, _ = read_pattern(PATTERNS / "crane.fold")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -21,16 +22,16 @@ from fab.folding.contact.surface import Surface, surface_of
 from fab.folding.newton_system import NewtonSystem
 from fab.folding.potentials import Potential, energy_of, free_share
 from fab.folding.quasi_static import (
-    FARTHEST_RAD,
     Folding,
     FoldState,
     aligned,
     flat_state,
-    largest_turns,
+    loads_per_step,
     path_at,
     state_of,
+    straight_path,
 )
-from fab.folding.rest import Rest, relaxed
+from fab.folding.rest import Rest, relaxed, unwatched, watched
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
@@ -80,10 +81,8 @@ def fold_in_contact(
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
     in_turn = path is not None
-    if path is None:
-        path = np.stack([np.zeros_like(frame.hinges_target), frame.hinges_target])
-    length = float(largest_turns(path).sum())
-    per_step = max(1, int(np.ceil(length / (FARTHEST_RAD * steps))))
+    path = straight_path(frame) if path is None else path
+    per_step = loads_per_step(path, steps)
     loads = per_step * steps
     course = _Course(frame, surface_of(frame, thickness_mm), path, loads, tuple(potentials))
     state = flat_state(frame, potentials)
@@ -92,7 +91,8 @@ def fold_in_contact(
     pressing: tuple[int, FloatArray] | None = None
     for number in range(1, loads + 1):
         before = state.coords
-        rest = course.rest(before, number / loads, 1 / loads, _watched(progress, number, loads))
+        watch = partial(watched, progress, number - 1, loads)
+        rest = course.rest(before, number / loads, 1 / loads, watch)
         solved, rested = solved + rest.iterations, rested and rest.settled
         state = course.state(rest, before, number / loads, solved, rested)
         peak = max(peak, state.strain_max)
@@ -231,27 +231,14 @@ class _Course:
         found = None
         for _ in range(_HALVINGS):
             share = (low + high) / 2
-            rest = self.rest(before, share, share - low, _unwatched)
+            rest = self.rest(before, share, share - low, unwatched)
             if self.presses(rest.coords):
                 high, found = share, rest.coords
             else:
                 low, before = share, aligned(rest.coords, before)
         if found is None:
-            found = self.rest(before, high, high - low, _unwatched).coords
+            found = self.rest(before, high, high - low, unwatched).coords
         return stop_at(self._frame, self._contact, aligned(found, before), high)
-
-
-def _watched(progress: Steps, number: int, loads: int) -> Callable[[int], None]:
-    """What tells at each system that a load is not yet done, and may end the fold."""
-
-    def watch(_: int) -> None:
-        progress(number - 1, loads)
-
-    return watch
-
-
-def _unwatched(_: int) -> None:
-    pass
 
 
 def _joined(first: Rest, then: Rest) -> Rest:

@@ -35,9 +35,9 @@ def fold_past_contact(
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """The fold in contact that reaches its target, or how far one gets, with findings.
 
-    All creases at once, then along the path of the fold without contact if it has one, then in
-    other orders (`fold_orders`, up to 300 hinges). Where none reaches the target, the fold that
-    was stopped last is given with `settings.contact`; else that without contact, with its stop.
+    All creases at once, then in other orders (`fold_orders`, up to 300 hinges), if the fold without
+    contact reaches its target. Where none does, that of all creases at once is given with
+    `settings.contact`; else that without contact, with the stop of the other.
 
     Parameters
     ----------

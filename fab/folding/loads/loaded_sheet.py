@@ -24,7 +24,7 @@ from fab.folding.loads.refined import refined
 from fab.folding.loads.supports import chosen_vertices
 from fab.folding.newton_system import NewtonSystem
 from fab.folding.potentials import Potential
-from fab.folding.rest import relaxed
+from fab.folding.rest import relaxed, watched
 from fab.pattern.kinematics import unknown_angles
 from fab.progress import Steps, no_steps
 from solver.graphs import EdgeIndex
@@ -137,7 +137,7 @@ def load_sheet(
     states = [sheet.state(0.0, sheet.start, np.zeros_like(sheet.start), True)]
     at = sheet.start
     for number, share in enumerate(shares[1:]):
-        watch = partial(_watched, progress, number, len(shares) - 1)
+        watch = partial(watched, progress, number, len(shares) - 1)
         at, gradient, settled = sheet.at_rest(at, float(share), watch)
         states.append(sheet.state(float(share), at, gradient, settled))
     progress(len(shares) - 1, len(shares) - 1)
@@ -153,11 +153,6 @@ def load_sheet(
         sheet.forces.sum(axis=0),
         tuple(states),
     )
-
-
-def _watched(progress: Steps, done: int, loads: int, _solved: int) -> None:
-    """Report progress before each system, so that a load that takes long can be ended."""
-    progress(done, loads)
 
 
 @dataclass(frozen=True)
