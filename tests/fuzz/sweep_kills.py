@@ -1,9 +1,10 @@
 """Kill a sweep at random moments, let it go on, and compare its table with that of a whole run.
 
-    python tests/fuzz/sweep_kills.py --kills 10 --variations 300 --seed 1
+    python tests/fuzz/sweep_kills.py --kills 10 --variations 300 --seed 1 --dask
 
 Exits 1 where a row is lost, doubled or different, or a file is left beside its place. Alternates
-between killing all processes of the sweep and one worker of it alone.
+between killing all processes of the sweep and one worker of it alone. With `--dask`, a scheduler
+and two workers in processes of their own do the sweep as well; two workers are killed and replaced.
 """
 
 from __future__ import annotations
@@ -12,10 +13,13 @@ import argparse
 import os
 import random
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pyarrow.parquet as pq
@@ -24,14 +28,15 @@ SWEEP = """
 name = "kills"
 base = "curved_fold"
 [axes]
-design.k_deg = {{ from = 180.0, to = 182.0, steps = {count} }}
+design.k_deg = {{ from = 180.2, to = 181.5, steps = {count} }}
 """
+_FIRST, _SECOND = 0.25, 0.6  # shares of the rows at which a worker of Dask is killed
 
 
-def begun(sweep: Path, out: Path) -> subprocess.Popen[bytes]:
+def begun(sweep: Path, out: Path, *more: str) -> subprocess.Popen[bytes]:
     """A sweep in a group of its own."""
-    words = [sys.executable, "-m", "fab", "sweep", str(sweep), "--out", str(out), "--jobs", "2"]
-    return subprocess.Popen(words, start_new_session=True, stdout=subprocess.DEVNULL)
+    words = ["sweep", str(sweep), "--out", str(out), *(more or ("--jobs", "2"))]
+    return _started("fab", *words)
 
 
 def workers_of(process: subprocess.Popen[bytes]) -> list[int]:
@@ -47,9 +52,98 @@ def parts_of(folder: Path) -> int:
     return len(list((folder / "parts").glob("*.parquet")))
 
 
+def rows_in_parts(folder: Path) -> int:
+    """How many rows they have; one that goes while it is looked at is not counted."""
+    rows = 0
+    for path in (folder / "parts").glob("*.parquet"):
+        try:
+            rows += pq.read_metadata(path).num_rows
+        except OSError:
+            continue
+    return rows
+
+
 def rows_of(folder: Path) -> list[dict[str, object]]:
     """The table without durations."""
     return pq.read_table(folder / "results.parquet").drop_columns(["seconds"]).to_pylist()
+
+
+def strays_in(folder: Path) -> list[str]:
+    """Files that are not in their place."""
+    return [path.name for path in folder.rglob(".*") if path.name != ".lock"]
+
+
+def killed_often(sweep: Path, out: Path, count: int, kills: int, numbers: random.Random) -> None:
+    """A sweep that ends though it, or a worker of it, was killed so many times."""
+    done = 0
+    while done < kills:
+        rows = rows_in_parts(out)
+        rows += numbers.randint(0, max(1, 2 * (count - rows) // (kills - done + 1)))
+        process = begun(sweep, out)
+        while process.poll() is None and rows_in_parts(out) < rows:
+            time.sleep(0.05)
+        time.sleep(numbers.uniform(0.0, 0.6))
+        if process.poll() is not None:
+            break
+        workers = workers_of(process)
+        if done % 2 and workers:
+            os.kill(numbers.choice(workers), signal.SIGKILL)
+            time.sleep(numbers.uniform(0.0, 2.0))
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        done += 1
+        print(f"kill {done}: {rows_in_parts(out)} rows in {parts_of(out)} parts", flush=True)
+    assert begun(sweep, out).wait() == 0
+
+
+def by_dask(sweep: Path, out: Path, count: int) -> None:
+    """A sweep by a scheduler and two workers, of which two are killed and replaced."""
+    with _dask() as (address, workers):
+        process = begun(sweep, out, "--cluster", address)
+        for share in (_FIRST, _SECOND):
+            while process.poll() is None and rows_in_parts(out) < share * count:
+                time.sleep(0.1)
+            workers[0].kill()
+            workers[0].wait()
+            print(f"worker killed at {rows_in_parts(out)} rows", flush=True)
+            workers[:] = [workers[1], _worker(address)]
+        assert process.wait() == 0
+
+
+@contextmanager
+def _dask() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+    """The address of a scheduler, and its workers."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+    words = ["--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+    scheduler = _started("distributed.cli.dask_scheduler", *words)
+    workers = [_worker(address), _worker(address)]
+    try:
+        yield address, workers
+    finally:
+        for process in (*workers, scheduler):
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+
+
+def _worker(address: str) -> subprocess.Popen[bytes]:
+    """A worker that goes with its process, as on a machine that is lost."""
+    words = [address, "--nthreads", "1", "--no-dashboard", "--no-nanny"]
+    return _started("distributed.cli.dask_worker", *words)
+
+
+def _started(module: str, *words: str) -> subprocess.Popen[bytes]:
+    """A module that runs in a group of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-m", module, *words],
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=None if module == "fab" else subprocess.DEVNULL,
+    )
 
 
 def main() -> int:
@@ -58,37 +152,27 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=10)
     parser.add_argument("--variations", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--dask", action="store_true")
     options = parser.parse_args()
-    numbers = random.Random(options.seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         sweep = folder / "kills.toml"
         sweep.write_text(SWEEP.format(count=options.variations))
         assert begun(sweep, folder / "whole").wait() == 0
-        out, kills = folder / "killed", 0
-        while kills < options.kills:
-            before = parts_of(out)
-            process = begun(sweep, out)
-            while process.poll() is None and parts_of(out) == before and numbers.random() < 0.999:
-                time.sleep(0.05)  # mostly until something new is there
-            time.sleep(numbers.uniform(0.0, 0.6))
-            if process.poll() is not None:
-                break
-            workers = workers_of(process)
-            if kills % 2 and workers:
-                os.kill(numbers.choice(workers), signal.SIGKILL)
-                time.sleep(numbers.uniform(0.0, 2.0))
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            kills += 1
-            print(f"kill {kills}: {parts_of(out)} parts", flush=True)
-        assert begun(sweep, out).wait() == 0
-        whole, found = rows_of(folder / "whole"), rows_of(out)
-        stray = [path.name for path in out.rglob(".*") if path.name != ".lock"]
-        same = whole == found
-        print(f"{kills} kills, {len(found)} rows, same as a whole run: {same}, stray: {stray}")
-        return 0 if same and not stray else 1
+        print("whole run done", flush=True)
+        whole, good = rows_of(folder / "whole"), True
+        killed_often(
+            sweep, folder / "killed", options.variations, options.kills, random.Random(options.seed)
+        )
+        if options.dask:
+            by_dask(sweep, folder / "dask", options.variations)
+        for out in ("killed", *(["dask"] if options.dask else [])):
+            found, strays = rows_of(folder / out), strays_in(folder / out)
+            same = found == whole and len(found) == options.variations
+            print(f"{out}: {len(found)} rows of {len(found[0])} columns and seconds, ", end="")
+            print(f"same as a whole run: {same}, stray: {strays}", flush=True)
+            good = good and same and not strays
+        return 0 if good else 1
 
 
 if __name__ == "__main__":
