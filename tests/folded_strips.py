@@ -1,4 +1,4 @@
-"""Strips and single vertices that fold flat, and all orders of their layers by brute force."""
+"""Strips, vertices and twists that fold flat, and all orders of layers by brute force."""
 
 from __future__ import annotations
 
@@ -35,6 +35,78 @@ def lettered(coords, faces, letters) -> CreasePattern:
     ends = np.sort(plain.edges_vertices[inner], axis=1)
     every = np.full(len(plain.edges_vertices), "B")
     every[inner[np.lexsort(ends.T[::-1])]] = list(letters)
+    return pattern_of(coords, faces, every, angle=180.0)
+
+
+def twist(sides, angle_deg, turns) -> CreasePattern:
+    """A regular polygon whose sides are pleats that leave it at an angle to the side.
+
+    turns : of each pleat, 1 or -1: the letters that its vertices then want, where the angle is less
+    than that of the polygon; or None for no letters at all.
+    """
+    at = 2 * np.pi * np.arange(sides) / sides
+    corners = np.column_stack([np.cos(at), np.sin(at)]) / (2 * np.sin(np.pi / sides))
+    along = np.roll(corners, -1, axis=0) - corners
+    cos, sin = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+    out = 2.0 * along @ [[cos, -sin], [sin, cos]]
+    coords = np.vstack([corners, corners + out, np.roll(corners, -1, axis=0) + out])
+    faces = [list(range(sides))]
+    wanted = {}
+    for i in range(sides):
+        j, a, b = (i + 1) % sides, sides + i, 2 * sides + i
+        faces += [[i, a, b, j], [j, b, sides + j]]
+        letter, other = "VM" if turns is not None and turns[i] > 0 else "MV"
+        wanted |= {frozenset((i, j)): letter, frozenset((i, a)): other, frozenset((j, b)): letter}
+    plain = pattern_of(coords, faces)
+    letters = [
+        wanted.get(frozenset(pair), "B") if turns is not None else "U"
+        for pair in plain.edges_vertices.tolist()
+    ]
+    return pattern_of(coords, faces, letters, angle=180.0)
+
+
+def brute_force_triangles(places, letters) -> int:
+    """The number of orders of a strip of equal triangles that are folded onto one of them.
+
+    places : which of its three sides each crease is; letters : of creases, or U.
+    """
+    count, found = len(places) + 1, 0
+    creases = list(zip(range(count - 1), range(1, count), places, strict=True))
+    for height in permutations(range(count)):
+        right = all(
+            letter == "U" or (height[b] > height[a]) == ((letter == "V") == (a % 2 == 0))
+            for (a, b, _), letter in zip(creases, letters, strict=True)
+        )
+        found += right and not any(
+            x == y and interleaved(sorted((height[a], height[b])), sorted((height[c], height[d])))
+            for (a, b, x), (c, d, y) in combinations(creases, 2)
+        )
+    return found
+
+
+def interleaved(one, other) -> bool:
+    """Whether one interval has one end in another, and one outside."""
+    return one[0] < other[0] < one[1] < other[1] or other[0] < one[0] < other[1] < one[1]
+
+
+def triangle_strip(places, letters) -> CreasePattern:
+    """Right triangles, each the mirror image of the last one in its side of that number."""
+    coords = [(0.0, 0.0), (10.0, 0.0), (0.0, 10.0)]
+    corner = [0, 1, 2]
+    faces = [list(corner)]
+    for side in places:
+        a, b = (corner[(side + k) % 3] for k in (0, 1))
+        start, along = np.array(coords[a]), np.subtract(coords[b], coords[a])
+        arm = np.subtract(coords[corner[(side + 2) % 3]], start)
+        image = start + 2 * along * (arm @ along) / (along @ along) - arm
+        corner[(side + 2) % 3] = len(coords)
+        coords.append(tuple(image))
+        faces.append(list(corner) if len(faces) % 2 == 0 else corner[::-1])
+    plain = pattern_of(coords, faces)
+    every = np.full(len(plain.edges_vertices), "B")
+    for number, edge in enumerate(plain.edges_faces.tolist()):
+        if min(edge) >= 0:
+            every[number] = letters[min(edge)]
     return pattern_of(coords, faces, every, angle=180.0)
 
 

@@ -4,7 +4,16 @@ from itertools import product
 import numpy as np
 import pytest
 from flat_patterns import grid
-from folded_strips import brute_force_orders, chosen_order, lettered, strip, vertex
+from folded_strips import (
+    brute_force_orders,
+    brute_force_triangles,
+    chosen_order,
+    lettered,
+    strip,
+    triangle_strip,
+    twist,
+    vertex,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -115,12 +124,46 @@ def test_orders_of_single_vertices_are_those_of_brute_force(drawn):
     assert states(vertex(angles, letters)) == len(expected)
 
 
+# 2 C(2n, n - 1) for 2n equal sectors.
 @pytest.mark.parametrize(
-    ("sectors", "assignments"), [([90] * 4, 8), ([60, 60, 120, 120], 6), ([40, 60, 140, 120], 4)]
+    ("sectors", "assignments"),
+    [
+        *[([90] * 4, 8), ([60, 60, 120, 120], 6), ([40, 60, 140, 120], 4)],
+        *[([60] * 6, 30), ([45] * 8, 112)],
+    ],
 )
 def test_vertices_fold_with_as_many_letters_as_hull_counts(sectors, assignments):
-    found = [states(vertex(sectors, letters)) for letters in product("MV", repeat=4)]
+    """T. Hull, The combinatorics of flat folds: a survey (2002)."""
+    every = product("MV", repeat=len(sectors))
+    found = [states(vertex(sectors, letters)) for letters in every]
     assert sum(count > 0 for count in found) == assignments
+
+
+@pytest.mark.parametrize(("angle_deg", "alike"), [(25.0, 1), (29.9, 1), (30.1, 0), (45.0, 0)])
+def test_pleats_of_a_steep_triangle_fold_unless_all_turn_alike(angle_deg, alike):
+    """The clause of M. Bern and B. Hayes, The complexity of flat origami (1996)."""
+    for turns in product((1, -1), repeat=3):
+        expected = alike if len(set(turns)) == 1 else 1
+        assert states(twist(3, angle_deg, turns)) == expected
+    assert states(twist(3, angle_deg, None)) == 6 + 2 * alike
+
+
+box_pleats = st.lists(st.integers(0, 2), min_size=1, max_size=6).flatmap(
+    lambda places: st.tuples(
+        st.just(places),
+        st.lists(st.sampled_from("MVUU"), min_size=len(places), max_size=len(places)),
+    )
+)
+
+
+@given(box_pleats)
+@settings(max_examples=40, deadline=None)
+def test_orders_of_strips_of_a_box_pleat_are_those_of_brute_force(drawn):
+    places, letters = drawn
+    places = [p for p, q in zip(places, [-1, *places], strict=False) if p != q]
+    letters = letters[: len(places)]
+    pattern = triangle_strip(places, letters)
+    assert states(pattern) == brute_force_triangles(places, letters)
 
 
 def test_flaps_that_both_cover_the_other_crease_cannot_lie_flat():
