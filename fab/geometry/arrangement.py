@@ -156,11 +156,15 @@ class _Web:
         return np.column_stack(np.divmod(keys, len(self.points))), which
 
 
-def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arrangement:
+def arrangement(
+    lines_coords: FloatArray, tolerance: float | FloatArray, *, needles: bool = True
+) -> Arrangement:
     """The planar graph of lines.
 
     lines_coords : shape (n, 2, 2), both ends of each. tolerance : so far an end reaches for other
-    ends and for lines; for all, or of each, shape (n, 2).
+    ends and for lines; for all, or of each, shape (n, 2). needles : whether narrow triangles are
+    meant, as in drawings; without, a vertex is put onto a line also where its own lines run beside
+    that.
 
     Ends of no more reach than rounding are joined and split exactly. Raises `InvalidState` for
     lines with too many crossings.
@@ -182,7 +186,7 @@ def arrangement(lines_coords: FloatArray, tolerance: float | FloatArray) -> Arra
     web, _ = _merged(web)
     most = 0
     for _ in range(_MOST_ROUNDS):
-        web, snapped = _snapped(web, digits, rounding)
+        web, snapped = _snapped(web, digits, rounding, needles)
         web, joined = _merged(web)
         web, crossed = _crossed(web)
         web, met = _merged(web)
@@ -270,7 +274,7 @@ def _near_pairs(points: FloatArray, reach: float) -> IntArray:
     return np.asarray(np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0))
 
 
-def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
+def _snapped(web: _Web, digits: float, rounding: float, needles: bool) -> tuple[_Web, bool]:
     """Edges split at vertices that are on them, some of which are moved there; whether any are."""
     if not len(web.ends):
         return web, False
@@ -284,7 +288,8 @@ def _snapped(web: _Web, digits: float, rounding: float) -> tuple[_Web, bool]:
     within = (share > 0) & (share < 1) & (off <= web.reach[vertex])
     far = off > np.clip(_DIGITS_OF_REACH * web.reach[vertex], rounding, digits)
     rows = np.flatnonzero(within)
-    rows = rows[~_needles(web, edges, vertex[rows], edge[rows], far[rows])]
+    if needles:
+        rows = rows[~_needles(web, edges, vertex[rows], edge[rows], far[rows])]
     if not len(rows):
         return web, False
     order = rows[np.lexsort((edge[rows], off[rows], vertex[rows]))]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from itertools import pairwise
+from operator import or_
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -52,6 +54,11 @@ class Cells:
     edges_offsets: IntArray
     narrow: int
 
+    @property
+    def all_faces(self) -> int:
+        """The faces of the sheet that cover any real cell, as bits."""
+        return reduce(or_, (self.masks[cell] for cell in np.flatnonzero(self.real)), 0)
+
     def faces(self, cell: int) -> IntArray:
         """The faces of the sheet that cover a cell, rising."""
         return members(self.masks[cell])
@@ -77,7 +84,7 @@ def cells_of(form: FlatForm) -> Cells:
     points = _joined(form.coords, form.reach_mm)
     ends = points[sheet.edges_vertices]
     long = np.flatnonzero((ends[:, 0] != ends[:, 1]).any(axis=1))
-    graph = arrangement(ends[long], form.reach_mm)
+    graph = arrangement(ends[long], form.reach_mm, needles=False)
     edges_lines, edges_offsets = long[graph.edges_lines], graph.edges_offsets
     corners, offsets, walk = walks_of(graph.vertices_coords, graph.edges_vertices)
     count = len(graph.edges_vertices)
@@ -151,6 +158,8 @@ def _masks(
         start = _around(graph, component != component[edge], toggles, edges[own])
         order, before = breadth_first_order(links, outer, directed=False)
         masks[outer] = start
+        if len(order) == 1:
+            continue  # a tree of edges, around which all is outside
         via = np.asarray(links[before[order[1:]], order[1:]]).ravel() - 1
         for cell, parent, over in zip(
             order[1:].tolist(), before[order[1:]].tolist(), via.tolist(), strict=True

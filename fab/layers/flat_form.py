@@ -18,10 +18,10 @@ __all__ = ["FlatForm", "flat_form", "folds_flat"]
 # Creases within this of 180 degrees are folded flat, and within this of 0 not folded.
 _FLAT_DEG = 1e-3
 # Around vertices, and over the diagonal of the sheet: what closes less exactly does not fold flat.
-_CLOSURE_RAD, _GAP_REL = 1e-3, 1e-4
+_CLOSURE_RAD, _GAP_REL = 1e-3, 1e-3
 # Points of the folded form that are nearer to each other than this share of the sheet, or than so
 # many times its largest gap, are one.
-_REACH_REL, _REACH_GAPS = 1e-8, 10.0
+_REACH_REL, _REACH_GAPS = 1e-8, 2.0
 
 
 @dataclass(frozen=True)

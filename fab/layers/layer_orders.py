@@ -27,7 +27,7 @@ __all__ = ["FoldsFlat", "LayerOrders", "layer_orders", "named"]
 # Faces over cells, as bits of numbers: more do not fit into memory.
 _MOST_BITS = 4e8
 # So many times the reach of points.
-_REACHES = (1.0, 10.0, 100.0)
+_REACHES = (1.0, 3.0, 10.0, 30.0, 100.0)
 # A text names up to this many faces, and numbers beyond this by three digits.
 _SHOWN, _MANY = 12, 1_000_000
 _NO_ROWS = np.empty((0, 3), np.int64)
@@ -226,10 +226,14 @@ def _answered(
 
 
 def _exact_cells(form: FlatForm) -> Cells | None:
-    """Cells without slivers, points joined over a larger distance where that is needed."""
+    """Cells without slivers, points joined over a larger distance where that is needed.
+
+    None where faces would be lost, as those are that are narrower.
+    """
+    every = (1 << form.sheet.face_count) - 1
     for factor in _REACHES:
         cells = cells_of(replace(form, reach_mm=factor * form.reach_mm))
-        if not cells.narrow:
+        if not cells.narrow and cells.all_faces == every:
             return cells
     return None
 

@@ -1,5 +1,6 @@
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from folded_strips import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fab import read_pattern
 from fab.layers import layer_orders as module
 from fab.layers import satisfaction, solution
 from fab.layers.flat_form import flat_form, folds_flat
@@ -26,6 +28,8 @@ from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from solver import Miura
 
+PATTERNS = Path(__file__).parents[1] / "patterns"
+
 
 def folded(pattern, letters="U"):
     """A pattern with letters for all its creases, or for each, folded by 180 degrees."""
@@ -34,6 +38,13 @@ def folded(pattern, letters="U"):
     every[inner] = list(letters) if len(letters) > 1 else letters
     sign = np.where(every == "V", 180.0, np.where(every == "M", -180.0, 0.0))
     return replace(pattern, edges_assignment=every, edges_foldAngle=sign)
+
+
+def folded_by_letters(pattern):
+    """A pattern of any angles, each of its mountains and valleys folded by 180 degrees."""
+    sign = np.where(pattern.edges_assignment == "V", 180.0, 0.0)
+    sign[pattern.edges_assignment == "M"] = -180.0
+    return replace(pattern, edges_foldAngle=sign, folded_coords=None)
 
 
 def square_map(columns, rows):
@@ -300,6 +311,18 @@ def test_vertices_that_are_off_leave_layers_undecided_or_right(monkeypatch):
         assert found.folds_flat is FoldsFlat.UNDECIDED or found.states == 60
     monkeypatch.setattr(module, "_REACHES", ())
     assert "not exact enough" in layer_orders(pattern).reason
+
+
+@pytest.mark.parametrize(
+    ("name", "orders"), [("bird_base", 16), ("crane", 5), ("waterbomb", 1), ("yoshimura", 0)]
+)
+def test_coordinates_of_few_digits_change_no_answer(name, orders):
+    """Rounded to 1e-5 of the sheet, as drawing programs write them: no sliver stays."""
+    pattern = folded_by_letters(read_pattern(PATTERNS / f"{name}.fold")[0])
+    size = np.hypot(*np.ptp(pattern.vertices_coords, axis=0))
+    for digits in (1e-6, 1e-5):
+        coords = np.round(pattern.vertices_coords / (digits * size)) * digits * size
+        assert states(replace(pattern, vertices_coords=coords)) == orders
 
 
 def test_the_same_pattern_has_the_same_order_every_time():
