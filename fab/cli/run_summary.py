@@ -24,6 +24,8 @@ def summary(report: Mapping[str, Any]) -> Iterator[str]:
         yield report["simulation"]["text"]
     elif report["rigid"] is not None:
         yield report["rigid"]["text"]
+    if "layers" in report:
+        yield report["layers"]["text"]
     if "loads" in report:
         yield report["loads"]["text"]
     growth = report["growth"]

@@ -18,10 +18,13 @@ from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.folding.simulation import fold_and_judge, fold_rigidly_and_judge
 from fab.jobs.file_names import ANIMATION
 from fab.jobs.grow import Grown
+from fab.layers.layer_findings import inspect_layers
+from fab.layers.layer_orders import layer_orders
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import FLAT_ANGLE_DEG, CreasePattern
 from fab.pattern.kinematics import unknown_angles
 from fab.progress import Progress, silent
+from fab.viewing.layered_scene import layered
 from fab.viewing.movie_files import FRAME_MS, encoder, gif_bytes, mp4_bytes, there_and_back
 from fab.viewing.scene_builders import folding_scene, pattern_scene
 from solver.growth_order import faces_strip
@@ -115,9 +118,13 @@ def animate(
         from fab.viewing.folding_picture import folding_images
 
         settings = settings or FoldSettings(steps=_STATES)
-        folding, rigid, found = _folded(pattern, settings, progress)
-        every += found
-        scene = replace(folding_scene(folding, name, upright=upright), values=None)
+        folding, rigid, reached, found = _folded(pattern, settings, progress)
+        layers = layer_orders(pattern)
+        every += [*found, *inspect_layers(layers)]
+        scene = layered(
+            replace(folding_scene(folding, name, upright=upright), values=None),
+            layers if reached else None,
+        )
         images = folding_images(scene, partial(progress, "draw folding"))
         movies["motion"] = _Movie(images, *there_and_back(len(images)))
         report |= {"states": len(folding.states), "rigid": rigid}
@@ -152,14 +159,14 @@ def _require_possible(
 
 def _folded(
     pattern: CreasePattern, settings: FoldSettings, progress: Progress
-) -> tuple[Folding, bool, list[Finding]]:
-    """The fold of a pattern, whether it is a rigid one, and findings about it."""
+) -> tuple[Folding, bool, bool, list[Finding]]:
+    """The fold of a pattern, whether it is rigid and reaches its target, and findings about it."""
     motion = rigid_motion(pattern)
     if motion.verdict is RigidVerdict.FOLDS and len(motion.path):
-        fold, _, found = fold_rigidly_and_judge(pattern, motion, settings, progress)
-        return fold.folding, True, found
+        fold, verdict, found = fold_rigidly_and_judge(pattern, motion, settings, progress)
+        return fold.folding, True, verdict.reached, found
     folding, verdict, found = fold_and_judge(pattern, settings, progress=progress)
-    return folding, False, with_motion(found, verdict, motion)
+    return folding, False, verdict.reached, with_motion(found, verdict, motion)
 
 
 def _files(stem: str, movie: _Movie, formats: Sequence[AnimationFormat]) -> Mapping[str, bytes]:

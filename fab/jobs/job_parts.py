@@ -148,21 +148,30 @@ def simulation_part(
     from fab.folding.simulation import fold_and_judge
     from fab.folding.verdict_words import in_words
     from fab.jobs.bearing_sheets import bearing_sheets
+    from fab.layers.layer_findings import inspect_layers
+    from fab.layers.layer_orders import layer_orders
 
     folding, verdict, findings = fold_and_judge(
         sheet.pattern, settings, progress=clock.progress, checkpoint=checkpoint
     )
     motion = rigid_motion(sheet.pattern, folding.frame)
-    findings = with_motion(findings, verdict, motion)
+    layers = layer_orders(sheet.pattern)
+    findings = [*with_motion(findings, verdict, motion), *inspect_layers(layers)]
     cutter = sheet.settings.cutter
     material = None if cutter is None else cutter.material
     words = in_words(folding, verdict, motion, findings, bearing_sheets(material))
     scene: Scene | None = None
     if wanted & OF_SCENES:
+        from fab.viewing.layered_scene import layered
         from fab.viewing.scene_builders import folding_scene
 
-        scene = folding_scene(folding, sheet.settings.name, upright=sheet.upright)
+        scene = layered(
+            folding_scene(folding, sheet.settings.name, upright=sheet.upright),
+            layers if verdict.reached else None,
+        )
     report = {"simulation": words.report() | verdict.report(), "rigid": motion.report()}
+    if layers is not None:
+        report["layers"] = layers.report()
     files: dict[str, bytes] = {}
     if settings.loads is not None:
         from fab.jobs.sheet_loads import carried_loads

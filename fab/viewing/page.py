@@ -58,7 +58,7 @@ _LONG: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("Assembly order", ("pieces", "glue_up", "seams")),
     ("Solids", ("solids",)),
     ("Plates", ("plates",)),
-    ("Folding", ("verdict", "simulation", "rigid", "tolerance_deg")),
+    ("Folding", ("verdict", "simulation", "rigid", "layers", "tolerance_deg")),
     ("Under load", ("loads",)),
 )
 # What is asked for, shown as it is.

@@ -94,7 +94,8 @@ def test_the_same_sheet_gives_the_same_bytes():
 
 def test_a_pattern_shows_its_folding_alone_as_it_is_simulated():
     result = run(PATTERNS / "square_twist.fold", "--states", 3, "--only", "gif", "--dry-run")
-    assert result.exit_code == 0
+    assert result.exit_code == 1  # it is shown, and said not to lie flat
+    assert "error: cannot-lie-flat" in result.output
     assert "would write square_twist_motion.gif" in result.output
     assert "growth" not in result.output
     assert "folds as it is simulated: 4 states" in result.output

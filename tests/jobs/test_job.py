@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from helpers import TEMPLATE_NAMES, TEMPLATES, made_template
 
+from fab.cli.run_summary import summary
 from fab.errors import InvalidFile, InvalidJob, Severity
 from fab.jobs.job import Job, load_job, parse_job
 from fab.jobs.job_files import Format, make
@@ -523,3 +524,12 @@ def test_a_simulation_says_whether_a_sheet_is_rigid_as_a_run_without_it_does():
     assert simulated["rigid"]["text"] == plain["rigid"]["text"]
     assert "rigid" not in simulated["seconds"]
     assert make(load_job(TEMPLATES / "miura.toml"), [], rigidity=False).report["rigid"] is None
+
+
+def test_a_simulated_sheet_that_folds_flat_has_its_layers_in_the_report_and_the_page():
+    design = {"kind": "miura", "columns": 3, "rows": 2, "fold_deg": 89.9999}
+    document = {"name": "m", "design": design, "sheet": {"width_mm": 90.0}, "simulation": {}}
+    made = make(parse_job(document), ["html"])
+    assert made.report["layers"]["text"] == "folds flat: yes, its layers have 1 order"
+    assert "folds flat: yes, its layers have 1 order" in made.files["m.html"].decode()
+    assert "folds flat: yes" in "\n".join(summary(made.report))
