@@ -157,8 +157,13 @@ function clear() {
  * saved : what the file has, where this tab knows that; keeps : leave the last sheet in sight.
  */
 async function openJob(message, file, { unsettled = [], saved, keeps = false } = {}) {
+  const { allowed } = files;
+  allowFiles(false); // until it is grown: they are not to be of the job before
   const answer = await ask("open", message);
-  if (!answer.fields) return refuse(answer);
+  if (!answer.fields) {
+    allowFiles(allowed);
+    return refuse(answer);
+  }
   notice("");
   job = { text: answer.text, unsettled: new Map(unsettled), saved };
   if (keeps) sheet = undefined;
@@ -357,6 +362,7 @@ function askFold() {
 
 function busy() {
   clearTimeout(foldTimer); // what is folded is the sheet to come
+  allowFiles(false); // and so are files
   verdict("busy", "Growing …");
   find("#stop").hidden = false;
   find("#again").hidden = true;
