@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import cache
 from math import acos, dist
 from pathlib import Path
@@ -20,6 +21,8 @@ DOCS = ROOT / ".github" / "docs"
 SHARED = ROOT.parent / "shared"
 REFERENCE = SHARED / "reference"
 
+# The variable of the environment that names the folder of files that several tests need.
+KEPT = "QUADFOLD_TESTS_KEPT"
 TEMPLATE_NAMES = sorted(path.stem for path in TEMPLATES.glob("*.toml"))
 # Rings are written with their first two vertices again at the end of each row.
 GRIDS = {
@@ -69,7 +72,10 @@ def angle_at(p, q, r) -> float:
 @cache
 def made_template(name: str) -> Made:
     """All files of a shipped job, made once in a process."""
-    return make(load_job(TEMPLATES / f"{name}.toml"))
+    made = make(load_job(TEMPLATES / f"{name}.toml"))
+    if f"{name}.fold" in made.files:
+        _keep(name, made.files[f"{name}.fold"])
+    return made
 
 
 def guide(*names: str) -> str:
@@ -79,5 +85,19 @@ def guide(*names: str) -> str:
 
 @cache
 def template_fold(name: str) -> bytes:
-    """The FOLD file of a shipped job, for tests that need no other of its files."""
-    return make(load_job(TEMPLATES / f"{name}.toml"), ["fold"]).files[f"{name}.fold"]
+    """The FOLD file of a shipped job, for tests that need no other of its files.
+
+    Made once for all processes of the tests, unless two of them begin at the same time.
+    """
+    kept = Path(os.environ[KEPT], f"{name}.fold")
+    if not kept.is_file():
+        job = load_job(TEMPLATES / f"{name}.toml")
+        _keep(name, make(job, ["fold"]).files[kept.name])
+    return kept.read_bytes()
+
+
+def _keep(name: str, data: bytes) -> None:
+    kept = Path(os.environ[KEPT], f"{name}.fold")
+    beside = kept.with_suffix(f".{os.getpid()}")
+    beside.write_bytes(data)
+    beside.replace(kept)

@@ -23,7 +23,7 @@ COMMANDS = [
     ("run", str(TEMPLATES / "miura.toml"), "--only", "fold"),
     ("fabricate", TWIST, *STOCK, "--only", "dxf"),
     ("thicken", TWIST, "--set", "panels.fold_limit_deg=90", "--only", "stl"),
-    ("simulate", TWIST, "--only", "fold"),
+    ("simulate", TWIST, "--only", "fold", "--no-contact"),
     ("animate", TWIST, "--states", "4", "--only", "gif"),
 ]
 

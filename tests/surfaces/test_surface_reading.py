@@ -29,6 +29,8 @@ from solver.errors import InvalidValue
 from solver.targets.mesh_target import MeshTarget
 from solver.targets.surface_mesh import MeshKind
 
+pytestmark = pytest.mark.usefixtures("read_in_this_process")
+
 
 def height(x, y):
     return 6 * np.cos(x / 15) * np.cos(y / 12)

@@ -33,6 +33,8 @@ from solver.errors import InvalidValue
 from solver.fitting import fit_surface
 from solver.targets.mesh import MeshSurface
 
+pytestmark = pytest.mark.usefixtures("read_in_this_process")
+
 TURN = Rot(20, 30, 40)
 
 
