@@ -240,6 +240,8 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
         )
     if verdict.gap_rel > tolerance.shape_rel:
         return f"Its faces miss each other by {verdict.gap_rel:.2%} of the diagonal around a hole."
+    if verdict.stopped is not None:
+        return "Its angles close, but its faces keep it from them: see stopped-by-contact."
     return "Its angles close, so there may be another path to the target: take more steps."
 
 

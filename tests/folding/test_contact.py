@@ -268,6 +268,8 @@ def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
     shown, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=True))
     assert not verdict.reached
     assert_nothing_crosses(shown)
+    missed = next(each for each in findings if each.code == "target-not-reached")
+    assert missed.text.endswith("its faces keep it from them: see stopped-by-contact.")
     _, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=False))
     assert verdict.stopped is None
     assert "stopped-by-contact" not in [each.code for each in findings]
