@@ -19,7 +19,7 @@ from fab.folding.potentials import Potential, energy_of, free_share
 from fab.progress import Steps
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["Rest", "relaxed", "unwatched", "watched"]
+__all__ = ["SETTLED", "Rest", "relaxed", "unwatched", "watched"]
 
 # Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
 # fails.
@@ -29,8 +29,9 @@ _FIRST_DAMPING = 1e-8
 _MOST, _MOST_AT_LAST = 150, 400
 # Steps with more damping than this say nothing about how far the energy could still fall.
 _TRUSTED_DAMPING = 1e-6
-# Below the full load, the sheet is at rest where a step lowers the energy by less than this share.
-_SETTLED = 1e-6
+# Below the full load, the sheet is at rest where a step lowers the energy by less than this share,
+# unless another one is given.
+SETTLED = 1e-6
 # Smaller steps, relative to the size of the sheet, are rounding.
 _ROUNDING = 1e-12
 # Energy of coordinates that are off by a few roundings, relative to the sum of all stiffness.
@@ -39,7 +40,7 @@ _ROUNDING_ENERGY = (8 * np.finfo(float).eps) ** 2
 _NO_GAIN = np.finfo(float).eps
 # Where a potential leaves less than this share of a step, the step is longer than its linear model
 # holds: the next ones are damped by this at least.
-_CUT_SHORT, _CUT_DAMPING = 0.3, 1e-6
+_CUT_SHORT, _CUT_DAMPING = 0.3, 1e-8
 # The least energy along a step is looked for between these parts of it.
 _LEAST_PART, _NEARLY_ALL = 0.1, 0.9
 # A step is looked at again where potentials have more than this share of what bends along it, and
@@ -89,6 +90,7 @@ def relaxed(
     system: NewtonSystem | None = None,
     watch: Callable[[int], None] = unwatched,
     most: int | None = None,
+    settled: float = SETTLED,
 ) -> Rest:
     """The local minimum of energy near to `coords`, shape (nv, 3).
 
@@ -102,6 +104,8 @@ def relaxed(
     watch : called before each system with the number of those that are solved; an exception that
         it raises ends the fold.
     most : the largest number of steps; 150 where left out, 400 at the full load.
+    settled : unless last, the sheet is at rest where a step lowers the energy by less than this
+        share.
     """
     system = system or NewtonSystem(frame, fixed)
     most = most or (_MOST_AT_LAST if last else _MOST)
@@ -132,7 +136,7 @@ def relaxed(
         accepted.append(energy.total)
         if taken.free == 1 and (
             np.abs(step).max() < _ROUNDING
-            or (not last and damping < _TRUSTED_DAMPING and share < _SETTLED)
+            or (not last and damping < _TRUSTED_DAMPING and share < settled)
         ):
             return Rest(coords, tuple(accepted), solved, True)
         if taken.free < 1:

@@ -17,7 +17,7 @@ _CLOSURE_PER_DEG = 1e-2
 # moves out of its crease by x, where both sides have the angle h / x between them: what bends and
 # what stretches balance at x ~ sqrt(h), so that angles, in radians, and the shape are off by about
 # as much, and strains by less (measured on bases and twists).
-_LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 4.0, 1.0, 0.5
+_LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 5.0, 1.0, 1.0
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,11 @@
 
     pytest tests/bench/test_contact_bench.py --benchmark-only
 
-Nothing crosses at any state. The ratio of both times is in the benchmark's `extra_info`.
+Nothing crosses at any state, the energy never rises, and the cost is at most five times that
+without contact. Two patterns cost more: a maze, of which up to 180 pairs touch at its end, and
+Yoshimura's, which folds freely within 34 systems, and in contact snaps into a jam, towards which
+it takes the most that a load may have. Both times are the best of some runs in turn, so that what
+else the machine does counts little; their ratio is in `extra_info`.
 """
 
 import time
@@ -20,6 +24,8 @@ from solver.self_intersection import crossing_faces
 
 OWN = ["bird_base", "crane", "maze", "resch", "square_twist", "yoshimura"]
 SHARED = ["crane_folded_form_0.3mm_off", "crane_plain", "cross", "framepart"]
+AT_MOST = dict.fromkeys(OWN + SHARED, 5.0) | {"maze": 7.0, "yoshimura": 20.0}
+RUNS = 4
 
 
 def crossings(folding):
@@ -32,13 +38,18 @@ def crossings(folding):
 def test_a_fold_in_contact_beside_one_without(benchmark, name):
     file = PATTERNS / f"{name}.fold" if name in OWN else shared_case(f"{name}.fold")
     frame = framework(read_pattern(file)[0])
-    begin = time.process_time()
-    through = fold(frame)
-    without = time.process_time() - begin
-    assert any(crossings(through))
-    begin = time.process_time()
-    folding = benchmark.pedantic(fold_in_contact, args=(frame,), rounds=1)
-    benchmark.extra_info["ratio"] = (time.process_time() - begin) / without
-    assert not any(crossings(folding))
-    for state in folding.states:
+    took = {fold: [], fold_in_contact: []}
+    made = {}
+    for _ in range(RUNS):
+        for each in (fold, fold_in_contact):
+            begin = time.process_time()
+            made[each] = each(frame)
+            took[each].append(time.process_time() - begin)
+    ratio = min(took[fold_in_contact]) / min(took[fold])
+    benchmark.extra_info["ratio"] = ratio
+    benchmark.pedantic(fold_in_contact, args=(frame,), rounds=1)
+    assert any(crossings(made[fold]))
+    assert not any(crossings(made[fold_in_contact]))
+    for state in made[fold_in_contact].states:
         assert (np.diff(state.accepted) <= 0).all()
+    assert ratio <= AT_MOST[name]

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.vectors import FloatArray, dot
 
-__all__ = ["segment_weights", "separations", "spheres_apart", "triangle_weights"]
+__all__ = ["segment_weights", "separations", "triangle_weights"]
 
 # The square of the sine between segments, below which rounding decides where lines are closest.
 _PARALLEL = 1e-10
@@ -121,19 +121,3 @@ def separations(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, Fl
     distance = np.sqrt(dot(vector, vector))
     with np.errstate(divide="ignore", invalid="ignore"):
         return distance, vector / distance[:, None]
-
-
-def spheres_apart(points: FloatArray, faced: int) -> FloatArray:
-    """Lower bounds of the distances of pairs, those of spheres around their parts, shape (n,)."""
-    out = np.empty(len(points))
-    corners = points[:faced, 1:]
-    middle = corners.mean(axis=1)
-    radius = np.sqrt(dot(corners - middle[:, None], corners - middle[:, None]).max(axis=1))
-    arm = points[:faced, 0] - middle
-    out[:faced] = np.sqrt(dot(arm, arm)) - radius
-    first, second = points[faced:, 1] - points[faced:, 0], points[faced:, 3] - points[faced:, 2]
-    arm = points[faced:, 0] - points[faced:, 2] + (first - second) / 2
-    out[faced:] = (
-        np.sqrt(dot(arm, arm)) - (np.sqrt(dot(first, first)) + np.sqrt(dot(second, second))) / 2
-    )
-    return out

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
-from fab.folding.contact.closest_points import separations, spheres_apart
+from fab.folding.contact.closest_points import separations
 from fab.folding.contact.free_share import free_share
 from fab.folding.contact.near_pairs import NearPairs, near_pairs
 from fab.folding.contact.surface import Pairs, Surface, weights_of
@@ -27,13 +27,15 @@ __all__ = ["Contact", "Touching"]
 _NEARLY_PARALLEL = 1e-3
 # Pairs are looked for again where there are more than so many for each vertex, and the boxes for
 # which they were found are so much larger than needed.
-_FEW, _LOOSE = 20, 10.0
+_FEW, _LOOSE = 100, 10.0
 # A step longer than the sides of the triangles is looked at in up to this many parts.
 _MOST_PARTS = 16
 # Within their gap parts have no less than this share of their reach: their energy is infinite.
 _TINY = 1e-300
 # Boxes are larger than a step needs by this share of it, so that the next ones are in them too.
 _MARGIN = 0.25
+# And by this share of the mean side of a triangle.
+_SIDES = 0.15
 
 
 @dataclass(frozen=True)
@@ -87,12 +89,16 @@ class Contact:
     def energy(self, coords: FloatArray) -> float:
         """Energy at coords, shape (nv, 3); infinite where two parts are within their gap."""
         found = self.touching(coords)
+        if not len(found.room):
+            return 0.0
         height = np.where(found.parallel > 0, barrier(found.room / found.reach), 0.0)
         return float(self.force * (found.reach * found.parallel) @ height)
 
     def linearised(self, coords: FloatArray) -> tuple[FloatArray, list[Blocks]]:
         """Gradient of the energy, shape (nv, 3), and its curvature along the normals."""
         found = self.touching(coords)
+        if not len(found.room):
+            return np.zeros_like(coords), []
         share = found.room / found.reach
         along = found.weights[:, :, None] * found.normal[:, None, :]
         gradient = -found.pressure[:, None, None] * along
@@ -113,7 +119,9 @@ class Contact:
         for number in range(parts):
             # long steps part by part: the boxes of all at once would meet too many others
             start = coords + number / parts * step
-            share = free_share(start, step / parts, self._near(start, start + step / parts))
+            share = free_share(
+                self.surface, start, step / parts, self._near(start, start + step / parts)
+            )
             if share < 1:
                 return (number + share) / parts
         return 1.0
@@ -125,20 +133,27 @@ class Contact:
             return last[0][1]
         pairs = self._near(coords, coords)
         reach = np.minimum(self.reach, pairs.limit)
+        close = pairs.meeting(self.surface.boxes(coords, coords), reach)
+        found = self._touching(coords, pairs.chosen(close), reach[close])
+        last[:] = [(coords, found)]
+        return found
+
+    def _touching(self, coords: FloatArray, pairs: Pairs, reach: FloatArray) -> Touching:
+        if not len(reach):
+            none = np.empty((0, 3))
+            return Touching(pairs, np.empty((0, 4)), none, reach, reach, reach, reach, none, none)
         points = coords[pairs.members]
-        close = np.flatnonzero(spheres_apart(points, pairs.faced) < pairs.gap + reach)
-        pairs, reach, points = pairs.chosen(close), reach[close], points[close]
         weights = weights_of(points, pairs.faced)
         distance, normal = separations(points, weights)
         room = distance - pairs.gap
         close = np.flatnonzero(room < reach)
+        if not len(close):
+            return self._touching(coords, pairs.chosen(close), reach[close])
         pairs, points = pairs.chosen(close), points[close]
         room, reach = room[close], reach[close]
         parallel = _parallel(points, pairs.faced)
         pressure = -self.force * parallel[0] * barrier_slope(np.maximum(room / reach, _TINY))
-        found = Touching(pairs, weights[close], normal[close], room, reach, pressure, *parallel)
-        last[:] = [(coords, found)]
-        return found
+        return Touching(pairs, weights[close], normal[close], room, reach, pressure, *parallel)
 
     def _near(self, start: FloatArray, end: FloatArray) -> Pairs:
         seen = self._seen.near
@@ -147,7 +162,7 @@ class Contact:
             few = len(seen[0].pairs.members) < _FEW * len(start)
             if few or seen[0].span < _LOOSE * (span + self.reach):
                 return seen[0].pairs
-        margin = self.reach + _MARGIN * np.abs(end - start)
+        margin = self.reach + _MARGIN * np.abs(end - start) + _SIDES * self.surface.side
         low, high = np.minimum(start, end) - margin, np.maximum(start, end) + margin
         seen[:] = [near_pairs(self.surface, low, high, self.surface.gap + self.reach)]
         return seen[0].pairs

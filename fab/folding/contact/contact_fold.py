@@ -10,7 +10,7 @@ from going on.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -31,10 +31,11 @@ from fab.folding.quasi_static import (
     state_of,
     straight_path,
 )
-from fab.folding.rest import Rest, relaxed, unwatched, watched
+from fab.folding.rest import SETTLED, Rest, relaxed, unwatched, watched
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
+from solver.assembly import Blocks
 from solver.errors import require_count
 from solver.vectors import FloatArray
 
@@ -45,18 +46,22 @@ _REACH = 1e-3
 REACH_LAST = 1e-5
 _REACHES_LAST = (1e-4, REACH_LAST)
 # Most steps at each load: a sheet that needs more is jammed.
-_MOST = 80
+_MOST = 60
 # And while layers that are at rest come nearer at the full load.
 _MOST_NEARER = 40
+# They are near enough where a step lowers the energy by less than this share.
+_NEARER = 1e-3
 # A crease that lags farther behind, while faces press on each other, does not come after.
 _JAMMED_RAD = np.radians(90.0)
 # Creases that are held farther off than this at the full load are not waiting for thinner layers.
 _NEARLY_RAD = np.radians(15.0)
 # A predicted turn is taken in parts, as far as nothing is in the way, in each of which no vertex
 # moves farther than this, relative to the size of the sheet; in up to so many.
-_FAR, _MOST_PARTS = 0.05, 48
+_FAR, _MOST_PARTS = 0.1, 24
 # Halvings of the load at which faces first press.
-_HALVINGS = 7
+_HALVINGS = 5
+# Most steps without contact at each of these; a sheet that is about to snap takes many.
+_MOST_ALONE = 15
 
 
 def fold_in_contact(
@@ -88,7 +93,7 @@ def fold_in_contact(
     state = flat_state(frame, potentials)
     states = [state]
     solved, rested, peak = 0, True, 0.0
-    pressing: tuple[int, FloatArray] | None = None
+    pressing: tuple[int, FloatArray, FloatArray] | None = None
     for number in range(1, loads + 1):
         before = state.coords
         watch = partial(watched, progress, number - 1, loads)
@@ -100,7 +105,7 @@ def fold_in_contact(
         if not presses:
             pressing = None
         elif pressing is None:
-            pressing = number, before
+            pressing = number, before, state.coords
         jammed = presses and (not rest.settled or course.lag(state) > _JAMMED_RAD)
         if number % per_step == 0 or jammed:
             states.append(replace(state, strain_peak=peak))
@@ -163,7 +168,7 @@ class _Course:
             return rest
         for reach in _REACHES_LAST:
             nearer = Contact(self._surface, reach, self._force)
-            last = self._relaxed(rest.coords, target, nearer, watch, _MOST_NEARER)
+            last = self._relaxed(rest.coords, target, nearer, watch, _MOST_NEARER, _NEARER)
             # the sheet is at rest: its layers may go on to come nearer
             rest = _joined(rest, replace(last, settled=True))
         return rest
@@ -175,6 +180,7 @@ class _Course:
         contact: Contact,
         watch: Callable[[int], None],
         most: int = _MOST,
+        settled: float = SETTLED,
     ) -> Rest:
         return relaxed(
             self._frame,
@@ -185,6 +191,7 @@ class _Course:
             system=self._system,
             watch=watch,
             most=most,
+            settled=settled,
         )
 
     def _predicted(
@@ -225,20 +232,67 @@ class _Course:
     def _off(self, coords: FloatArray, target: FloatArray) -> FloatArray:
         return (self._frame.angles_near(coords, target) - target)[self._driven]
 
-    def stop(self, number: int, before: FloatArray) -> Stop | None:
-        """Where faces began to press on each other, between a load and `before`, the one before."""
+    def stop(self, number: int, before: FloatArray, pressed: FloatArray) -> Stop | None:
+        """Where faces began to press on each other, from `before` to `pressed`, a load later."""
         low, high = (number - 1) / self._loads, number / self._loads
-        found = None
         for _ in range(_HALVINGS):
             share = (low + high) / 2
-            rest = self.rest(before, share, share - low, unwatched)
-            if self.presses(rest.coords):
-                high, found = share, rest.coords
+            alone = self._alone(before, share, share - low)
+            if alone is None:
+                high = share
             else:
-                low, before = share, aligned(rest.coords, before)
-        if found is None:
-            found = self.rest(before, high, high - low, unwatched).coords
-        return stop_at(self._frame, self._contact, aligned(found, before), high)
+                low, before = share, alone
+        found = aligned(self.rest(before, high, high - low, unwatched).coords, before)
+        stop = stop_at(self._frame, self._contact, found, high)
+        return stop or stop_at(self._frame, self._contact, pressed, number / self._loads)
+
+    def _alone(self, before: FloatArray, share: float, part: float) -> FloatArray | None:
+        """The sheet at rest at a share without contact; None where faces press before it."""
+        target, rate = path_at(self._path, share)
+        angles = self._frame.angles_near(before, target - part * rate)
+        turned = aligned(self._predictor.coords(angles + part * rate), before)
+        start = min(
+            (before, turned),
+            key=lambda x: energy_of(self._frame, x, target, self._others).total,
+        )
+        try:
+            rest = relaxed(
+                self._frame,
+                start,
+                target,
+                False,
+                [*self._others, _Stopped(self._contact)],
+                system=self._system,
+                most=_MOST_ALONE,
+            )
+        except _PressedError:
+            return None
+        there = aligned(rest.coords, before)
+        free = self._contact.longest_step(before, there - before) == 1
+        return there if free and not self.presses(there) else None
+
+
+class _PressedError(Exception):
+    """Faces press on each other."""
+
+
+@dataclass(frozen=True)
+class _Stopped:
+    """A potential without energy, that ends where a step would make faces press on each other."""
+
+    contact: Contact
+
+    def energy(self, coords: FloatArray) -> float:
+        del coords
+        return 0.0
+
+    def linearised(self, coords: FloatArray) -> tuple[FloatArray, list[Blocks]]:
+        return np.zeros_like(coords), []
+
+    def longest_step(self, coords: FloatArray, step: FloatArray) -> float:
+        if self.contact.longest_step(coords, step) < 1:
+            raise _PressedError
+        return 1.0
 
 
 def _joined(first: Rest, then: Rest) -> Rest:

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fab.folding.contact.closest_points import separations, spheres_apart
-from fab.folding.contact.surface import Pairs, weights_of
+from fab.folding.contact.closest_points import separations
+from fab.folding.contact.surface import Pairs, Surface, weights_of
 from solver.vectors import FloatArray, IntArray, dot
 
 __all__ = ["free_share"]
@@ -22,65 +22,97 @@ _LEFT = 0.1
 _MOST = 16
 
 
-def free_share(coords: FloatArray, step: FloatArray, pairs: Pairs) -> float:
+def free_share(surface: Surface, coords: FloatArray, step: FloatArray, pairs: Pairs) -> float:
     """The largest share of a step, 0 to 1, that leaves every pair a tenth of its room.
 
     coords, step : shape (nv, 3). The room of a pair is its distance beyond its gap; one without
     room stops the step.
     """
-    pairs = pairs.chosen(_in_danger(coords, step, pairs))
-    active = np.arange(len(pairs.members))
-    time = np.zeros(len(active))
-    least = np.full(len(active), np.nan)
+    pairs = pairs.chosen(_in_danger(surface, coords, step, pairs))
+    if not len(pairs.members):
+        return 1.0
+    points, steps = coords[pairs.members], step[pairs.members]
+    distance, normal = separations(points, weights_of(points, pairs.faced))
+    room = distance - pairs.gap
+    if not (room > 0).all():
+        return 0.0
     end = 1.0
+    kept = pairs.gap + _LEFT / 2 * room
+    time = _advance(points, steps, normal, np.zeros_like(normal), pairs.faced, kept)
+    active = np.flatnonzero(time < end)
+    time, far = time[active], np.ones(len(active))
     for _ in range(_MOST):
         if not len(active):
             return end
-        some = pairs.chosen(active)
-        points = coords[some.members] + time[active, None, None] * step[some.members]
-        distance, normal = separations(points, weights_of(points, some.faced))
-        room = distance - some.gap
-        first = np.isnan(least[active])
-        if (first & ~(room > 0)).any():
-            return 0.0
-        least[active[first]] = _LEFT * room[first]
-        touching = room <= least[active]
-        ends = time[active[touching & ~first]]
-        if len(ends):
-            end = min(end, float(ends.min()))
-        time[active] += _advance(points, step[some.members], normal, some, least[active] / 2)
-        active = active[~(touching & ~first) & (time[active] < end)]
-    return min(end, float(time[active].min(initial=end)))
+        faced = int(np.searchsorted(active, pairs.faced))
+        start = points[active] + time[:, None, None] * steps[active]
+        rest = (far - time)[:, None, None] * steps[active]
+        distance, normal, there = _at_both_ends(start, start + rest, faced)
+        touching = distance - pairs.gap[active] <= _LEFT * room[active]
+        end = min(end, float(time[touching].min(initial=end)))
+        turned = np.where((dot(normal, there) > 0)[:, None], there - normal, 0.0)
+        moved = np.minimum(_advance(start, rest, normal, turned, faced, kept[active]), 1.0)
+        time = time + (far - time) * moved
+        far = np.where(moved < 1, (time + far) / 2, end)
+        going = np.flatnonzero(~touching & (time < end))
+        active, time, far = active[going], time[going], np.minimum(far, end)[going]
+    return min(end, float(time.min(initial=end)))
 
 
-def _in_danger(coords: FloatArray, step: FloatArray, pairs: Pairs) -> IntArray:
-    """Those whose spheres do not stay apart."""
-    moved = step[pairs.members]
-    speed = np.sqrt(dot(moved, moved))
-    faced = pairs.faced
-    nearing = np.empty(len(speed))
-    nearing[:faced] = speed[:faced, 0] + speed[:faced, 1:].max(axis=1)
-    nearing[faced:] = speed[faced:].reshape(-1, 2, 2).max(axis=2).sum(axis=1)
-    apart = spheres_apart(coords[pairs.members], faced)
-    return np.flatnonzero(apart - nearing < pairs.gap)
+def _at_both_ends(
+    start: FloatArray, ahead: FloatArray, faced: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Distances of pairs at the start, and unit vectors between them at the start and ahead."""
+    both = np.concatenate([start[:faced], ahead[:faced], start[faced:], ahead[faced:]])
+    distance, normal = separations(both, weights_of(both, 2 * faced))
+    count = len(start)
+    first = np.concatenate([np.arange(faced), np.arange(2 * faced, faced + count)])
+    then = np.concatenate([np.arange(faced, 2 * faced), np.arange(faced + count, 2 * count)])
+    return distance[first], normal[first], normal[then]
+
+
+def _in_danger(surface: Surface, coords: FloatArray, step: FloatArray, pairs: Pairs) -> IntArray:
+    """Those whose boxes along the step do not stay apart."""
+    there = coords + step
+    boxes = surface.boxes(np.minimum(coords, there), np.maximum(coords, there))
+    return pairs.meeting(boxes, 0.0)
 
 
 def _advance(
-    points: FloatArray, steps: FloatArray, normal: FloatArray, pairs: Pairs, room: FloatArray
+    points: FloatArray,
+    steps: FloatArray,
+    normal: FloatArray,
+    turned: FloatArray,
+    faced: int,
+    kept: FloatArray,
 ) -> FloatArray:
-    """For how long the planes across `normal` keep parts their gap and some room apart, (n,)."""
-    height = np.einsum("nix,nx->ni", points, normal)
-    speed = np.einsum("nix,nx->ni", steps, normal)
+    """For how long planes that turn keep parts `kept` apart, times, shape (n,).
+
+    normal, turned : shape (n, 3), the direction across each at time 0, and by how much it changes
+    up to time 1; it is no longer than 1 until then. Where it does not turn, the time may be longer.
+    """
     out = np.empty(len(points))
-    faced = pairs.faced
+    heights = [
+        np.einsum("nix,nx->ni", *each)
+        for each in ((points, normal), (steps, normal), (points, turned), (steps, turned))
+    ]
     for part, above, below in (
         (slice(None, faced), [0], [1, 2, 3]),
         (slice(faced, None), [0, 1], [2, 3]),
     ):
-        apart = height[part][:, above, None] - height[part][:, None, below]
-        nearing = speed[part][:, None, below] - speed[part][:, above, None]
-        kept = (pairs.gap + room)[part, None, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            times = np.where(nearing > 0, (apart - kept) / nearing, np.inf)
+        apart, speed, tilt, bend = (
+            each[part][:, above, None] - each[part][:, None, below] for each in heights
+        )
+        times = _first_zero(apart - kept[part, None, None], speed + tilt, bend)
         out[part] = times.min(axis=(1, 2), initial=np.inf)
-    return np.maximum(out, 0.0)
+    return out
+
+
+def _first_zero(level: FloatArray, slope: FloatArray, bend: FloatArray) -> FloatArray:
+    """Where level + slope t + bend t^2 first falls to 0, from t = 0 on; inf where it never does."""
+    inside = slope * slope - 4 * level * bend
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(inside)
+        out = np.where(slope > 0, (slope + root) / (-2 * bend), 2 * level / (root - slope))
+    out = np.where(out >= 0, out, np.inf)  # NaN where there is no root
+    return np.where(level > 0, out, 0.0)

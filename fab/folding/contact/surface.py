@@ -47,6 +47,11 @@ class Surface:
     joined: IntArray
     gap: float
 
+    @property
+    def parts(self) -> int:
+        """Number of vertices, triangles and edges together, numbered in this order."""
+        return len(self.flat) + len(self.triangles) + len(self.edges)
+
     @cached_property
     def side(self) -> float:
         """Mean length of the edges."""
@@ -61,12 +66,25 @@ class Surface:
         corners = self.triangles[triangles]
         apart = (corners != vertices[:, None]).all(axis=1)
         first = np.column_stack([vertices, corners])[apart]
+        count = len(self.flat)
+        faced = np.column_stack([vertices, count + triangles])[apart]
         ends = self.edges[edges]
         apart = (ends[:, 0, :, None] != ends[:, 1, None, :]).all(axis=(1, 2))
         second = ends[apart].reshape(-1, 4)
-        return self._kept(first, second)
+        crossed = count + len(self.triangles) + edges[apart]
+        return self._kept(first, second, np.concatenate([faced, crossed]))
 
-    def _kept(self, first: IntArray, second: IntArray) -> Pairs:
+    def boxes(self, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Boxes of all parts while vertices stay in theirs, (nv, 3) each; shape (2, 3, n)."""
+        least, most = low.T, high.T
+        return np.stack(
+            [
+                np.concatenate([x, f(x[:, self.triangles], axis=2), f(x[:, self.edges], axis=2)], 1)
+                for x, f in ((least, np.min), (most, np.max))
+            ]
+        )
+
+    def _kept(self, first: IntArray, second: IntArray, parts: IntArray) -> Pairs:
         members = np.concatenate([first, second])
         points = self.flat[members]
         flat, _ = separations(points, weights_of(points, len(first)))
@@ -75,7 +93,7 @@ class Surface:
         gap[len(first) :][self._are_joined(second)] = 0.0
         gap = gap[far]
         limit = _REACHED * (flat[far] - gap)
-        return Pairs(members[far], int(far[: len(first)].sum()), gap, limit)
+        return Pairs(members[far], int(far[: len(first)].sum()), parts[far], gap, limit)
 
     def _are_joined(self, edges: IntArray) -> BoolArray:
         """Whether one of their ends each is of one face, shape (n,); edges : shape (n, 4)."""
@@ -91,23 +109,41 @@ class Pairs:
     Attributes
     ----------
     members : shape (n, 4), vertices. faced : number of pairs of a vertex and a triangle.
+    parts : shape (n, 2), numbers of both parts (`Surface.parts`).
     gap : shape (n,), the distance that they keep. limit : shape (n,), the farthest reach of their
         barriers beyond it, so that the flat sheet is free.
     """
 
     members: IntArray
     faced: int
+    parts: IntArray
     gap: FloatArray
     limit: FloatArray
 
     def chosen(self, which: IntArray) -> Pairs:
         """Some of them; which : rising, shape (k,)."""
         faced = int(np.searchsorted(which, self.faced))
-        return Pairs(self.members[which], faced, self.gap[which], self.limit[which])
+        return Pairs(
+            self.members[which], faced, self.parts[which], self.gap[which], self.limit[which]
+        )
+
+    def meeting(self, boxes: FloatArray, reach: float | FloatArray) -> IntArray:
+        """Those whose boxes are nearer than their gap and reach, rising; boxes : (2, 3, n)."""
+        near = np.arange(len(self.parts))
+        most = self.gap + reach
+        for low, high in zip(*boxes, strict=True):
+            first, second = self.parts[near].T
+            apart = np.maximum(low[first] - high[second], low[second] - high[first])
+            near = near[apart <= most[near]]
+        return near
 
 
 def weights_of(points: FloatArray, faced: int) -> FloatArray:
     """Weights of the closest points of pairs, the first `faced` of a vertex and a triangle."""
+    if faced == len(points):
+        return triangle_weights(points)
+    if not faced:
+        return segment_weights(points)
     return np.concatenate([triangle_weights(points[:faced]), segment_weights(points[faced:])])
 
 
