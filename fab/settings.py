@@ -15,6 +15,7 @@ from fab.errors import InvalidJob, did_you_mean, nearest
 from fab.files import require_file
 
 __all__ = [
+    "DEEPEST",
     "LARGEST_BYTES",
     "Settings",
     "alternatives",
@@ -25,8 +26,9 @@ __all__ = [
     "types_of",
 ]
 
-# Files that users write are a few kilobytes long.
+# Files that users write are a few kilobytes long, with tables in tables in tables.
 LARGEST_BYTES = 1_000_000
+DEEPEST = 50
 _LONGEST_SHOWN = 80
 
 # What a number must be, and what other values must, by pydantic's name of the error.
@@ -87,9 +89,26 @@ def parsed_toml(text: bytes, source: str, cure: str) -> dict[str, Any]:
             f"{source}: has more than {LARGEST_BYTES} bytes, must have at most as many. {cure}"
         )
     try:
-        return tomllib.loads(text.decode("utf-8-sig"))
+        document = tomllib.loads(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise InvalidJob(f"{source}: not a TOML file: {error}. Correct it there.") from error
+    if _is_deeper(document, DEEPEST):
+        raise InvalidJob(
+            f"{source}: has tables or lists over {DEEPEST} deep, must have at most as many in each "
+            f"other. {cure}"
+        )
+    return document
+
+
+def _is_deeper(node: Any, depth: int) -> bool:
+    """Whether tables and lists are more than `depth` deep in each other."""
+    level = [node]
+    for _ in range(depth):
+        inner = (each.values() if isinstance(each, dict) else each for each in level)
+        level = [each for parts in inner for each in parts if isinstance(each, dict | list)]
+        if not level:
+            return False
+    return True
 
 
 def apply_change(document: dict[str, Any], change: str) -> None:
@@ -100,8 +119,8 @@ def apply_change(document: dict[str, Any], change: str) -> None:
         raise InvalidJob(f"--set {change}: must have the form key=value, as in design.strips=4.")
     try:
         parsed = tomllib.loads(f"value = {text}")
-        value = parsed["value"] if len(parsed) == 1 else text
-    except (tomllib.TOMLDecodeError, RecursionError):
+        value = parsed["value"] if len(parsed) == 1 and not _is_deeper(parsed, DEEPEST) else text
+    except (ValueError, RecursionError):  # also of whole numbers with thousands of digits
         value = text.strip()
     table = document
     for part in parts[:-1]:

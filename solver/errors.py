@@ -9,6 +9,7 @@ __all__ = [
     "InvalidState",
     "InvalidValue",
     "OrigamiError",
+    "escaped",
     "require_count",
     "require_finite",
     "require_length",
@@ -22,8 +23,22 @@ _MOST = 1_000_000
 _LENGTHS = (1e-6, 1e6)
 
 
+def escaped(text: str) -> str:
+    r"""The text with escapes for control characters and marks that turn the direction of reading.
+
+    >>> escaped("a\x1b[2J")
+    'a\\x1b[2J'
+    """
+    return "".join(
+        letter if letter.isprintable() or letter == "\n" else ascii(letter)[1:-1] for letter in text
+    )
+
+
 class OrigamiError(Exception):
-    """Base of every error that this project raises on purpose."""
+    """Base of every error that this project raises on purpose; its texts are `escaped`."""
+
+    def __init__(self, *arguments: object) -> None:
+        super().__init__(*(escaped(x) if isinstance(x, str) else x for x in arguments))
 
 
 class InvalidValue(OrigamiError, ValueError):

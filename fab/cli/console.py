@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from fab.errors import Finding, Severity
-from solver.errors import OrigamiError
+from solver.errors import OrigamiError, escaped
 
 __all__ = ["Interrupts", "answers", "say", "tell", "tell_all", "tell_left"]
 
@@ -91,14 +91,7 @@ def say(text: str, *, error: bool = False) -> None:
     stream = sys.stderr if error else sys.stdout
     encoding = getattr(stream, "encoding", None) or "utf-8"
     with suppress(OSError):
-        click.echo(_shown(text).encode(encoding, "backslashreplace").decode(encoding), err=error)
-
-
-def _shown(text: str) -> str:
-    """Text with escapes for control characters and marks that turn the direction of reading."""
-    return "".join(
-        letter if letter.isprintable() or letter == "\n" else ascii(letter)[1:-1] for letter in text
-    )
+        click.echo(escaped(text).encode(encoding, "backslashreplace").decode(encoding), err=error)
 
 
 def tell(findings: Sequence[Finding]) -> None:

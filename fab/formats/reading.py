@@ -27,16 +27,23 @@ _DRAWINGS = {
     ".orh": ("oripa.ori", "read_ori"),
 }
 READ = (".fold", *_DRAWINGS, ".obj")
-# What files without such an ending begin with.
+# What files without such an ending begin with. Each pattern fits a beginning in one way only, so
+# that no file takes long to refuse.
 _HEAD_BYTES = 4096
 _BEGINNINGS = {
-    ".svg": re.compile(rb"\s*(<\?xml.*?)?(<!.*?>\s*)*<(\w+:)?svg\b", re.DOTALL),
-    ".opx": re.compile(rb"\s*(<\?xml.*?\?>\s*)?<java\b", re.DOTALL),
-    ".dxf": re.compile(rb"(\s*999\r?\n.*\r?\n)*\s*0\r?\n\s*SECTION\b|AutoCAD Binary DXF"),
-    ".fold": re.compile(rb"(\xef\xbb\xbf)?\s*\{"),
-    ".cp": re.compile(rb"\s*[0-9]+(\s+[-+.0-9eE]+){4}\s*[\r\n]"),
-    ".obj": re.compile(rb"(\s*(#.*|[a-z]+ .*)?\n)*?\s*v(\s+[-+.0-9eE]+){3}"),
+    ".dxf": re.compile(rb"(?:\s*999\r?\n[^\r\n]*\r?\n)*\s*0\r?\n\s*SECTION\b|AutoCAD Binary DXF"),
+    ".fold": re.compile(rb"(?:\xef\xbb\xbf)?\s*\{"),
+    ".cp": re.compile(rb"\s*[0-9]+(?:\s+[-+.0-9eE]+){4}\s*[\r\n]"),
+    ".obj": re.compile(
+        rb"(?:[ \t]*(?:#[^\r\n]*|(?!v\s)[a-z]+ [^\r\n]*)?\r?\n)*"
+        rb"[ \t]*v(?:[ \t]+[-+.0-9eE]+){3}"
+    ),
 }
+# The first element of XML, by its name without a prefix, behind all comments.
+_XML = re.compile(rb"(?:\xef\xbb\xbf)?\s*<")
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_FIRST_ELEMENT = re.compile(rb"<(?:[A-Za-z_][\w.-]*:)?([A-Za-z_][\w.-]*)")
+_ENDINGS_BY_ELEMENT = {b"svg": ".svg", b"java": ".opx"}
 
 
 def read_pattern_file(path: str | Path, options: ReadOptions | None = None) -> PatternFile:
@@ -67,6 +74,10 @@ def _ending_by_content(file: Path) -> str:
     """The ending that suits what is in a file."""
     with file.open("rb") as stream:
         head = stream.read(_HEAD_BYTES)
+    if _XML.match(head):
+        element = _FIRST_ELEMENT.search(_COMMENT.sub(b"", head))
+        if element and element.group(1) in _ENDINGS_BY_ELEMENT:
+            return _ENDINGS_BY_ELEMENT[element.group(1)]
     for ending, beginning in _BEGINNINGS.items():
         if beginning.match(head):
             return ending

@@ -35,13 +35,13 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.responses import Response
 
-__all__ = ["Studio", "studio_app"]
+__all__ = ["MOST_CHANGES", "MOST_MESSAGE", "Studio", "studio_app"]
 
 # Seconds that a sheet, a picture and all files of a job may take.
 _GROW_S, _PICTURE_S, _MAKE_S = 300.0, 30.0, 3600.0
 # Of a message: a job's text, escaped, and changes to it.
-_MOST_MESSAGE = 3 * MOST_BYTES
-_MOST_CHANGES = 200
+MOST_MESSAGE = 3 * MOST_BYTES
+MOST_CHANGES = 200
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -366,7 +366,7 @@ async def _body(request: Request, most: int) -> bytes:
 
 
 async def _message(request: Request) -> Mapping[str, Any]:
-    body = await _body(request, _MOST_MESSAGE)
+    body = await _body(request, MOST_MESSAGE)
     try:
         message = json.loads(body)
     except (ValueError, RecursionError) as error:
@@ -415,8 +415,8 @@ def _text_of(message: Mapping[str, Any]) -> str:
 def _changes(message: Mapping[str, Any]) -> list[tuple[list[str], Any]]:
     """Changes of values: tables and key, and a number, a text, true, false, null, or tables."""
     given = message.get("changes")
-    if not isinstance(given, list) or len(given) > _MOST_CHANGES:
-        raise _Malformed(f"changes must be a list of up to {_MOST_CHANGES}.")
+    if not isinstance(given, list) or len(given) > MOST_CHANGES:
+        raise _Malformed(f"changes must be a list of up to {MOST_CHANGES}.")
     changes = []
     for each in given:
         if not (isinstance(each, list) and len(each) == 2 and isinstance(each[0], list)):

@@ -13,7 +13,7 @@ from fab.formats.meshes.surface import LARGE_MESH_BYTES, reading_bounds
 from fab.surfaces.soup import Soup
 from solver.targets.mesh import mesh_arrays
 from solver.targets.triangles import quads_cut
-from solver.vectors import FloatArray, IntArray
+from solver.vectors import LARGEST, FloatArray, IntArray
 
 __all__ = ["MESH_ENDINGS", "read_triangles", "triangles_of_3mf"]
 
@@ -25,20 +25,24 @@ _DEEPEST = 20
 def read_triangles(path: Path, size: int) -> Soup:
     """All triangles in a mesh file of `size` bytes, as they are; 3MF files in millimetres.
 
-    Large files, and 3MF files, which are unpacked, are read in a process of their own: see
+    Large files, and those of which a few bytes may say that they hold gigabytes (3MF files, which
+    are unpacked, and GLB files), are read in a process of their own: see
     `fab.formats.meshes.surface.read_surface`. Raises `InvalidFile` or `InvalidValue`.
     """
     given = {"path": str(path)}
-    if path.suffix.lower() == ".3mf":
+    ending = path.suffix.lower()
+    if ending == ".3mf":
         task = "fab.surfaces.mesh_reader:triangles_of_3mf"
         found = in_own_process(task, path, given, reading_bounds(size))
-    elif size > LARGE_MESH_BYTES:
+    elif size > LARGE_MESH_BYTES or ending == ".glb":
         found = in_own_process("solver.targets.mesh:mesh_arrays", path, given, reading_bounds(size))
     else:
         found = mesh_arrays(path)
     coords, faces = found["vertices_coords"], found["faces"]
-    quads = faces.ndim == 2 and faces.shape[1] == 4
-    return coords, quads_cut(coords, faces) if quads else faces
+    if faces.shape[1] == 3:
+        return coords, faces
+    bounded = bool((np.abs(coords) <= LARGEST).all())  # other vertices are refused as they are used
+    return coords, quads_cut(coords if bounded else np.zeros_like(coords), faces)
 
 
 def triangles_of_3mf(path: str) -> dict[str, Any]:

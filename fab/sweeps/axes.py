@@ -12,11 +12,11 @@ from pydantic import Field, model_validator
 from fab.errors import InvalidJob
 from fab.settings import Settings, checked
 
-__all__ = ["Axis", "Value", "axes_of"]
+__all__ = ["MOST_AXES", "MOST_VALUES", "Axis", "Value", "axes_of"]
 
 Value: TypeAlias = int | float | str | bool
-_MOST_VALUES = 100_000
-_MOST_AXES = 50
+MOST_VALUES = 100_000
+MOST_AXES = 50
 # Whole numbers of the tables have 64 bits; differences of others must not overflow.
 _MOST_WHOLE, _MOST = 2**63 - 1, 1e300
 _DIGITS = 12
@@ -49,7 +49,7 @@ class _Steps(Settings):
 
     first: int | float = Field(alias="from", description="the first value")
     last: int | float = Field(alias="to", description="the last value")
-    steps: int = Field(ge=2, le=_MOST_VALUES, description="how many values, both ends among them")
+    steps: int = Field(ge=2, le=MOST_VALUES, description="how many values, both ends among them")
 
     @model_validator(mode="after")
     def _apart(self) -> _Steps:
@@ -84,7 +84,7 @@ def _counts_near(length: int, steps: int) -> str:
     >>> _counts_near(10, 5), _counts_near(3, 9)
     ('3 or 6', '4')
     """
-    fits = [count + 1 for count in range(1, min(length, _MOST_VALUES) + 1) if length % count == 0]
+    fits = [count + 1 for count in range(1, min(length, MOST_VALUES) + 1) if length % count == 0]
     fewer = [count for count in fits if count < steps]
     more = [count for count in fits if count > steps]
     return " or ".join(map(str, [*fewer[-1:], *more[:1]]))
@@ -96,7 +96,7 @@ class _Random(Settings):
     random: Annotated[list[int | float], Field(min_length=2, max_length=2)] = Field(
         description="lowest and highest, such as [20.0, 70.0]"
     )
-    count: int = Field(ge=1, le=_MOST_VALUES, description="how many values")
+    count: int = Field(ge=1, le=MOST_VALUES, description="how many values")
     seed: int = Field(default=0, ge=0, description="of the random numbers")
 
     @model_validator(mode="after")
@@ -137,8 +137,8 @@ def axes_of(
             f"{source}: axes is empty. Name a key of the job and its values, such as "
             "design.fold_deg = [30.0, 60.0]."
         )
-    if len(leaves) > _MOST_AXES:
-        raise InvalidJob(f"{source}: has {len(leaves)} axes, must have at most {_MOST_AXES}.")
+    if len(leaves) > MOST_AXES:
+        raise InvalidJob(f"{source}: has {len(leaves)} axes, must have at most {MOST_AXES}.")
     return tuple(
         _axis(key, given, source, types(key) if types is not None else ()) for key, given in leaves
     )
@@ -203,8 +203,8 @@ def _listed(given: Any, place: str) -> tuple[Value, ...]:
             f"{place} = {given!r}: must be a list of values, {{ from, to, steps }} or "
             "{ random, count, seed }."
         )
-    if not 1 <= len(given) <= _MOST_VALUES:
-        raise InvalidJob(f"{place}: has {len(given)} values, must have 1 to {_MOST_VALUES}.")
+    if not 1 <= len(given) <= MOST_VALUES:
+        raise InvalidJob(f"{place}: has {len(given)} values, must have 1 to {MOST_VALUES}.")
     for value in given:
         if not isinstance(value, Value):
             raise InvalidJob(f"{place}: {value!r} must be a number, text, true or false.")

@@ -12,6 +12,8 @@ from fab.sweeps.dotted_names import named
 __all__ = ["Constraint", "constraints_of"]
 
 _FUNCTIONS = {"abs": abs, "min": min, "max": max}
+_MOST_LETTERS = 1000
+_CURE = 'Write it as in "design.columns <= 2 * design.rows".'
 
 
 class Constraint:
@@ -32,10 +34,15 @@ class Constraint:
         from simpleeval import SimpleEval
 
         self.text = text
+        if len(text) > _MOST_LETTERS:
+            raise InvalidJob(
+                f"constraint {text[:40]!r}... has {len(text)} letters, must have at most "
+                f"{_MOST_LETTERS}. Divide it into several."
+            )
         try:
             parsed = ast.parse(text, mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise InvalidJob(f"constraint {text!r}: is no condition: {error}") from error
+            raise InvalidJob(f"constraint {text!r}: is no condition: {error}. {_CURE}") from error
         flat = _Flat(keys, what, text)
         self._tree: ast.expr = flat.visit(parsed)
         self._names = flat.names
@@ -60,10 +67,13 @@ class Constraint:
         tree = self._tree
         if isinstance(tree, ast.Compare) and len(tree.ops) == 1:
             left, right = (self._value(side, values) for side in (tree.left, tree.comparators[0]))
-            if isinstance(tree.ops[0], ast.LtE | ast.Lt):
-                return float(left - right)
-            if isinstance(tree.ops[0], ast.GtE | ast.Gt):
-                return float(right - left)
+            try:
+                if isinstance(tree.ops[0], ast.LtE | ast.Lt):
+                    return float(left - right)
+                if isinstance(tree.ops[0], ast.GtE | ast.Gt):
+                    return float(right - left)
+            except (TypeError, OverflowError) as error:  # of texts, and of numbers without bound
+                raise self._refusal(error) from error
         return 0.0 if self.holds(values) else 1.0
 
     def _value(self, tree: ast.expr, values: Mapping[str, Any]) -> Any:
@@ -71,7 +81,11 @@ class Constraint:
         try:
             return self._evaluator.eval(self.text, tree)
         except Exception as error:  # simpleeval raises whatever the values give
-            raise InvalidJob(f"constraint {self.text!r}: {error}") from error
+            raise self._refusal(error) from error
+
+    def _refusal(self, error: Exception) -> InvalidJob:
+        said = str(error).rstrip(".") or type(error).__name__
+        return InvalidJob(f"constraint {self.text!r}: cannot be evaluated: {said}. {_CURE}")
 
 
 class _Flat(ast.NodeTransformer):

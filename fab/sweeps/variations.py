@@ -18,9 +18,9 @@ from fab.sweeps.constraints import Constraint, constraints_of
 from fab.sweeps.sweep_settings import Sweep
 from solver.vectors import FloatArray
 
-__all__ = ["Variation", "Variations", "hash_of", "variations_of"]
+__all__ = ["MOST", "Variation", "Variations", "hash_of", "variations_of"]
 
-_MOST = 10_000_000
+MOST = 10_000_000
 
 
 @dataclass(frozen=True)
@@ -91,17 +91,17 @@ def variations_of(sweep: Sweep, source: str) -> Variations:
     if sweep.combine == "zip" and len(set(sizes.values())) > 1:
         listed = ", ".join(f"{key} {size}" for key, size in sizes.items())
         raise InvalidJob(f"{source}: combine = 'zip' needs axes of equal length: {listed} values.")
-    if sweep.count is not None and sweep.count > _MOST:
-        raise InvalidJob(f"{source}: count = {sweep.count} must be at most {_MOST}.")
+    if sweep.count is not None and sweep.count > MOST:
+        raise InvalidJob(f"{source}: count = {sweep.count} must be at most {MOST}.")
     whole = {
         "grid": prod(sizes.values()),
         "zip": next(iter(sizes.values())),
         "latin_hypercube": sweep.count or 0,
     }[sweep.combine]
-    if whole > _MOST:
+    if whole > MOST:
         listed = " x ".join(str(size) for size in sizes.values())
         raise InvalidJob(
-            f"{source}: has {whole} variations ({listed}), must have at most {_MOST}. Take fewer "
+            f"{source}: has {whole} variations ({listed}), must have at most {MOST}. Take fewer "
             "values, or combine = 'latin_hypercube' with a count."
         )
     return Variations(axes, sweep.combine, whole, constraints, sweep.seed)

@@ -23,7 +23,7 @@ from solver.targets.triangles import (
     quads_cut,
     triangle_edges,
 )
-from solver.vectors import BoolArray, FloatArray, IntArray, cross, dot, norm, unit
+from solver.vectors import LARGEST, BoolArray, FloatArray, IntArray, cross, dot, norm, unit
 
 __all__ = ["MeshSurface", "mesh_arrays"]
 
@@ -249,34 +249,43 @@ class MeshSurface:
 
 
 def _checked(vertices_coords: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
-    """Finite vertices and triangles whose numbers name them; quads cut."""
+    """Finite vertices and triangles that name them; quads cut."""
     coords, numbers = np.asarray(vertices_coords, np.float64), np.asarray(faces)
-    if coords.ndim != 2 or coords.shape[1] != 3:
-        raise InvalidValue("vertices_coords", coords.shape, "have the shape (n, 3)", "Give points.")
-    if numbers.ndim != 2 or numbers.shape[1] not in (3, 4) or numbers.dtype.kind not in "iu":
-        cure = "Cut larger faces into triangles."
-        bound = "be whole numbers of shape (m, 3) or (m, 4)"
-        raise InvalidValue("faces", f"{numbers.dtype} {numbers.shape}", bound, cure)
+    _require_mesh(coords, numbers)
     require_count("triangles", len(numbers) * (numbers.shape[1] - 2), 1, "Make the mesh coarser.")
-    if numbers.min() < 0 or numbers.max() >= len(coords):
-        bad = int(numbers.min() if numbers.min() < 0 else numbers.max())
-        bound = f"name vertices, from 0 to {len(coords) - 1}"
-        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it again.")
-    lost = ~np.isfinite(coords).all(axis=1)
+    lost = ~(np.abs(coords) <= LARGEST).all(axis=1)
     if lost.any():
         vertex = int(np.flatnonzero(lost)[0])
         cure = f"It is vertex {vertex}: export the mesh again."
-        raise InvalidValue("vertices_coords", coords[vertex].tolist(), "be finite", cure)
+        bound = f"be finite and within {LARGEST:g}"
+        raise InvalidValue("vertices_coords", coords[vertex].tolist(), bound, cure)
     triangles = numbers.astype(np.int64)
     if triangles.shape[1] == 4:
         triangles = quads_cut(coords, triangles)
     return coords, triangles
 
 
+def _require_mesh(coords: FloatArray, numbers: IntArray) -> None:
+    """Raise `InvalidValue` unless these are points in space, and faces that name them."""
+    if coords.ndim != 2 or coords.shape[1] != 3:
+        raise InvalidValue("vertices_coords", coords.shape, "have the shape (n, 3)", "Give points.")
+    if numbers.ndim != 2 or numbers.shape[1] not in (3, 4) or numbers.dtype.kind not in "iu":
+        cure = "Cut larger faces into triangles."
+        bound = "be whole numbers of shape (m, 3) or (m, 4)"
+        raise InvalidValue("faces", f"{numbers.dtype} {numbers.shape}", bound, cure)
+    if not len(numbers):
+        raise InvalidValue("triangles", 0, "be 1 or more", "Export the mesh with its faces.")
+    if numbers.min() < 0 or numbers.max() >= len(coords):
+        bad = int(numbers.min() if numbers.min() < 0 else numbers.max())
+        bound = f"name vertices, from 0 to {len(coords) - 1}"
+        raise InvalidValue("faces", bad, bound, "The mesh is damaged: export it again.")
+
+
 def mesh_arrays(path: str | Path) -> dict[str, Any]:
     """Vertices and faces of a GLB, OBJ, OFF, PLY or STL file, as `MeshSurface.read` takes them.
 
-    Their names are "vertices_coords", shape (n, 3), and "faces", triangles or quads.
+    Their names are "vertices_coords", shape (n, 3), and "faces", triangles or quads. Raises
+    `InvalidValue` for what is no mesh.
     """
     file = Path(path)
     ending = file.suffix.lower().removeprefix(".")
@@ -290,15 +299,17 @@ def mesh_arrays(path: str | Path) -> dict[str, Any]:
     try:
         mesh = trimesh.load_mesh(file, file_type=ending, process=False)
     except Exception as error:  # readers of foreign files raise all kinds
-        cure = f"trimesh reports {error!r}. Export it again."
+        reason = " ".join(str(error).split())[:200].rstrip(".") or "it is damaged"
+        cure = f"trimesh reports: {reason}. Export it again."
         raise InvalidValue("path", str(path), f"be a readable {ending} file", cure) from error
     triangles = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), np.int64)
     if not len(triangles):
         cure = "It is empty, cut off, or holds points and lines alone: export the mesh again."
         raise InvalidState("path", f"{path} must hold at least one face", cure)
+    coords = np.asarray(mesh.vertices, np.float64)
+    _require_mesh(coords, triangles)
     quads = None if ending == "stl" else _quads_again(triangles)
-    faces = triangles if quads is None else quads
-    return {"vertices_coords": np.asarray(mesh.vertices, np.float64), "faces": faces}
+    return {"vertices_coords": coords, "faces": triangles if quads is None else quads}
 
 
 def _quads_again(triangles: IntArray) -> IntArray | None:

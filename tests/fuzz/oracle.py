@@ -2,45 +2,24 @@
 
 from __future__ import annotations
 
-import gc
-import signal
-import time
-import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import shapely
 
-from fab.errors import InvalidFile, InvalidJob
 from fab.formats import reading
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import read_pattern_file
-from solver.errors import InvalidValue
 
-__all__ = ["LONGEST_S", "Outcome", "options_of", "outcome_of"]
+__all__ = ["options_of", "require_all_drawn", "require_repeats", "require_sound"]
 
-LONGEST_S = 10.0
 # Over the drawing.
 _ROUNDING = 1e-9
 # Findings of lines that are not in the pattern.
 _LEFT_OUT = {"page-frame", "line-outside", "zero-length-line", "zero-length-edge"}
-
-
-class TooSlow(Exception):
-    """Raised in a file that takes longer than `LONGEST_S`."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a file: "read", "refused", or "fault" with its text; and the seconds."""
-
-    kind: str
-    text: str
-    seconds: float
-    findings: tuple[str, ...] = ()
 
 
 def options_of(random: np.random.Generator) -> ReadOptions:
@@ -60,44 +39,6 @@ def options_of(random: np.random.Generator) -> ReadOptions:
     elif random.integers(2):
         options = replace(options, inner_border="cut", border="hull")
     return options
-
-
-def outcome_of(path: Path, options: ReadOptions, *, thorough: bool) -> Outcome:
-    """Read a file, and look at what was read; `thorough`: read it twice, write it, read that."""
-
-    def stop(_number, _frame):
-        raise TooSlow(f"over {LONGEST_S:g} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, LONGEST_S)
-    begin = time.perf_counter()
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            try:
-                read = read_pattern_file(path, options)
-            except (InvalidFile, InvalidJob, InvalidValue) as error:
-                return Outcome("refused", str(error), time.perf_counter() - begin)
-        seconds = time.perf_counter() - begin
-        signal.setitimer(signal.ITIMER_REAL, 2 * LONGEST_S)
-        require_sound(read, planar=not _has_faces(path))
-        if thorough:
-            _require_all_drawn(path, read, options)
-            _require_repeats(path, read, options)
-        codes = tuple(sorted({finding.code for finding in read.findings}))
-        return Outcome("read", "", seconds, codes)
-    except Exception as error:
-        import traceback
-
-        return Outcome("fault", traceback.format_exc(), time.perf_counter() - begin, (repr(error),))
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-        gc.collect(0)
-
-
-def _has_faces(path: Path) -> bool:
-    return path.suffix == ".obj" or (path.suffix == ".fold" and b"faces_" in path.read_bytes())
 
 
 def require_sound(read: PatternFile, *, planar: bool) -> None:
@@ -147,7 +88,7 @@ def _require_planar(pattern) -> None:
         assert shapely.length(common) <= _ROUNDING * size, f"edges {a} and {b} overlap"
 
 
-def _require_all_drawn(path: Path, read: PatternFile, options: ReadOptions) -> None:
+def require_all_drawn(path: Path, read: PatternFile, options: ReadOptions) -> None:
     """Every line of a drawing is in the pattern, or a finding names why it is not."""
     codes = {finding.code for finding in read.findings}
     if path.suffix[1:] in ("fold", "obj") or codes & _LEFT_OUT:
@@ -173,7 +114,7 @@ def _require_all_drawn(path: Path, read: PatternFile, options: ReadOptions) -> N
         assert distance.max(initial=0) <= near, f"a line is new: {distance.max():g} mm away"
 
 
-def _require_repeats(path: Path, read: PatternFile, options: ReadOptions) -> None:
+def require_repeats(path: Path, read: PatternFile, options: ReadOptions) -> None:
     """Read again it is the same; and what is written of it is read as it is."""
     data = fold_bytes(read.pattern, read.title, read.states)
     again = read_pattern_file(path, options)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import logging
 from functools import cache
 
+import ezdxf
 import flat_patterns
 import numpy as np
 from formats import drawing_dialects
@@ -21,7 +21,7 @@ from fab.pattern.crease_pattern import CreasePattern, crease_pattern
 from fab.pattern.development import develop
 from solver import Miura
 
-__all__ = ["KINDS", "fuzzed"]
+__all__ = ["KINDS", "fuzzed", "undated"]
 
 KINDS = ("svg", "dxf", "cp", "opx", "ori", "fold", "obj")
 _LARGEST_SEED = 400
@@ -75,7 +75,17 @@ def _drawing(random, kind: str) -> bytes:
     named = [
         dialect for dialect in drawing_dialects.DIALECTS.values() if dialect.ending[1:] == kind
     ]
-    return _of(random, named).write(drawing_dialects.Source("fuzz", drawn.coords, drawn.letters))
+    source = drawing_dialects.Source("fuzz", drawn.coords, drawn.letters)
+    return undated(_of(random, named), source)
+
+
+def undated(dialect: drawing_dialects.Dialect, source: drawing_dialects.Source) -> bytes:
+    """The file of a dialect, the same whenever it is written."""
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        return dialect.write(source)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = False
 
 
 def _fold(random) -> bytes:
@@ -117,17 +127,14 @@ def _obj(random) -> bytes:
     return obj_bytes(coords, pattern.faces_vertices, pattern.faces_offsets, "fuzz")
 
 
-def fuzzed(kind: str, seed: int, number: int) -> bytes:
-    """File number `number` of a kind in the run of a seed; the same in every run."""
-    random = np.random.default_rng([seed, KINDS.index(kind), number])
-    logging.getLogger("ezdxf").setLevel(logging.ERROR)
-    with np.errstate(all="ignore"):
-        while True:
-            try:
-                if kind in ("fold", "obj", "svg"):
-                    data = {"fold": _fold, "obj": _obj, "svg": _svg}[kind](random)
-                else:
-                    data = _drawing(random, kind)
-                return with_file_faults(random, kind, data)
-            except Exception:  # a dialect cannot write such numbers: other ones are taken
-                continue
+def fuzzed(kind: str, random: np.random.Generator) -> bytes:
+    """A file of a kind, by random numbers."""
+    while True:
+        try:
+            if kind in ("fold", "obj", "svg"):
+                data = {"fold": _fold, "obj": _obj, "svg": _svg}[kind](random)
+            else:
+                data = _drawing(random, kind)
+            return with_file_faults(random, kind, data)
+        except Exception:  # a dialect cannot write such numbers: other ones are taken
+            continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import random
@@ -52,8 +53,22 @@ class Outcome:
     seconds: float
 
 
-def malformed(client: TestClient, generator: random.Random) -> Outcome:
-    """Send a message that no page sends; a fault is what is not answered soundly."""
+@dataclass(frozen=True)
+class Message:
+    """A message to the studio; its body is bytes, each as a letter."""
+
+    method: str
+    name: str
+    body: str
+    headers: dict[str, str]
+    params: dict[str, str]
+
+    def packed(self) -> bytes:
+        return json.dumps(dataclasses.asdict(self)).encode()
+
+
+def malformed(generator: random.Random) -> Message:
+    """A message that no page sends."""
     name = generator.choice(POSTS)
     body = _body(generator)
     headers = generator.choice(
@@ -62,11 +77,19 @@ def malformed(client: TestClient, generator: random.Random) -> Outcome:
     method = generator.choice(("POST", "POST", "POST", "POST", "GET", "PUT", "DELETE", "HEAD"))
     query = generator.choice(({}, {"name": generator.choice(PATHS)}, {"name": "x.fold"}))
     params = {key: value.encode("utf-8", "replace").decode() for key, value in query.items()}
+    return Message(method, name, body.decode("latin-1"), headers, params)
+
+
+def answered(client: TestClient, message: Message) -> Outcome:
+    """Send a message; a fault is what is not answered soundly."""
+    name, body = message.name, message.body.encode("latin-1")
     begin = time.monotonic()
     try:
-        response = client.request(method, name, content=body, headers=headers, params=params)
+        response = client.request(
+            message.method, name, content=body, headers=message.headers, params=message.params
+        )
     except Exception as error:
-        text = f"{method} {name} {body[:200]!r}: {type(error).__name__}: {error}"
+        text = f"{message.method} {name} {body[:200]!r}: {type(error).__name__}: {error}"
         return Outcome("fault", text, time.monotonic() - begin)
     seconds = time.monotonic() - begin
     if response.status_code not in STATUSES:

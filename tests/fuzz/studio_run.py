@@ -24,6 +24,7 @@ from fuzz.studio_faults import (
     MOST_BYTES,
     Designs,
     Outcome,
+    answered,
     designs,
     files_under,
     malformed,
@@ -55,7 +56,7 @@ def main() -> int:
         with TestClient(studio_app(studio, frozenset({HOST})), f"http://{HOST}/token/") as client:
             before = around(folder)
             outcomes = (
-                malformed(client, generator)
+                answered(client, malformed(generator))
                 for generator in numbered(arguments.seed, arguments.messages)
             )
             faults += told("messages", outcomes, share)

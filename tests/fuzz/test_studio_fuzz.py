@@ -1,7 +1,7 @@
 """A short run of the fuzzer of the studio; `studio_run.py` beside it makes long ones."""
 
 import pytest
-from fuzz.studio_faults import HOST, Designs, designs, files_under, malformed, numbered
+from fuzz.studio_faults import HOST, Designs, answered, designs, files_under, malformed, numbered
 from starlette.testclient import TestClient
 
 from fab.studio.app import Studio, studio_app
@@ -33,7 +33,7 @@ def test_malformed_messages_are_answered_and_change_nothing_outside(client, fold
     before = outside()
     kinds = set()
     for generator in numbered(7, 100):
-        outcome = malformed(client, generator)
+        outcome = answered(client, malformed(generator))
         assert outcome.kind != "fault", outcome.text
         kinds.add(outcome.text)
     assert {"200", "400", "403", "404"} <= kinds

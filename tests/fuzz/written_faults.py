@@ -9,7 +9,15 @@ from collections.abc import Callable
 import numpy as np
 from fuzz.drawn_faults import EXTREMES
 
-__all__ = ["with_file_faults"]
+__all__ = [
+    "byte_faults",
+    "element_faults",
+    "entity_faults",
+    "json_faults",
+    "number_faults",
+    "row_faults",
+    "with_file_faults",
+]
 
 _NUMBER = re.compile(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _WORDS = [
@@ -89,7 +97,7 @@ def _number(random) -> bytes:
     return repr(float(value)).encode()
 
 
-def _numbers(random, data: bytes) -> bytes:
+def number_faults(random, data: bytes) -> bytes:
     """Some numbers replaced: by extremes, or by others of the file."""
     found = list(_NUMBER.finditer(data))
     if not found:
@@ -111,7 +119,7 @@ def _numbers(random, data: bytes) -> bytes:
     return data
 
 
-def _bytes(random, data: bytes) -> bytes:
+def byte_faults(random, data: bytes) -> bytes:
     out = bytearray(data)
     for _ in range(int(random.integers(1, 6))):
         place = int(random.integers(len(out) + 1))
@@ -149,7 +157,7 @@ def _parts(random, parts: list[bytes]) -> list[bytes]:
     return parts
 
 
-def _rows(random, data: bytes) -> bytes:
+def row_faults(random, data: bytes) -> bytes:
     lines = data.split(b"\n")
     kind = random.integers(3)
     if kind == 0:
@@ -169,7 +177,7 @@ def _rows(random, data: bytes) -> bytes:
 _TAG = re.compile(rb"<[^<>]+>")
 
 
-def _elements(random, data: bytes) -> bytes:
+def element_faults(random, data: bytes) -> bytes:
     """Empty elements, or whole tags, removed, repeated, exchanged."""
     pattern = rb"<[^<>]+/>" if random.integers(5) else rb"<[^<>]+>"
     found = [part for part in re.split(rb"(" + pattern + rb")", data) if part]
@@ -237,7 +245,7 @@ def _svg_path(random, data: bytes) -> bytes:
     return data[:place] + b" " + letter + b" " + data[place + int(random.integers(2)) :]
 
 
-def _entities(random, data: bytes) -> bytes:
+def entity_faults(random, data: bytes) -> bytes:
     head = random.choice(
         [
             b'<!DOCTYPE svg [<!ENTITY a "red"><!ENTITY b "&a;&a;&a;">]>',
@@ -255,12 +263,12 @@ def _entities(random, data: bytes) -> bytes:
 # JSON
 
 
-def _json(random, data: bytes) -> bytes:
+def json_faults(random, data: bytes) -> bytes:
     """Nodes of a JSON document replaced, removed, repeated, exchanged."""
     try:
         document = json.loads(data)
     except (ValueError, RecursionError):
-        return _numbers(random, data)
+        return number_faults(random, data)
     for _ in range(int(random.integers(1, 4))):
         _changed(random, document)
     return json.dumps(document).encode()
@@ -298,6 +306,33 @@ def _changed(random, document) -> None:
     elif kind == 8:
         value = values[random.integers(len(values))]
         parent[key] = json.loads(json.dumps(value))
+
+
+_JSON_TEXTS = (
+    *(b"NaN", b"-Infinity", b"1e400", b"9" * 5000, b"0." + b"3" * 5000, b"-0", b"1E+", b"01"),
+    *(b'"\\ud800"', b'"\\u0000"', b'"\\u001b]0;x"', b"[" * 3000, b"[" * 900 + b"]" * 900),
+    *(b'{"a":' * 900 + b"1" + b"}" * 900, b'{"a":1,"a":2}', b"'x'", b"1,,2", b"//x\n1", b"\xff"),
+)
+
+
+def _json_text(random, data: bytes) -> bytes:
+    """A value of the text replaced, a key doubled, or the text in another encoding."""
+    kind = random.integers(6)
+    if kind == 0:
+        return data.decode("utf-8", "replace").encode(
+            ("utf-16", "utf-8-sig", "utf-32", "utf-16-be")[random.integers(4)]
+        )
+    found = list(re.finditer(rb'(?<=[:,\[])\s*(?:[-+.\w]+|"[^"\\]*")', data))
+    if not found:
+        return data
+    one = found[random.integers(len(found))]
+    if kind == 1:
+        keys = re.findall(rb'"\w+"(?=\s*:)', data)
+        key = keys[random.integers(len(keys))] if keys else b'"a"'
+        place = data.find(b"{") + 1
+        return data[:place] + key + b":" + one.group() + b"," + data[place:]
+    new = _JSON_TEXTS[random.integers(len(_JSON_TEXTS))]
+    return data[: one.start()] + new + data[one.end() :]
 
 
 def _fold_keys(random, data: bytes) -> bytes:
@@ -368,7 +403,7 @@ def _dxf_value(random, data: bytes) -> bytes:
     wanted = random.choice([b"10", b"20", b"11", b"21", b"62", b"70", b"8", b"5", b"330", b"42"])
     rows = [i for i, pair in enumerate(pairs) if pair.split(b"\n")[0].strip() == wanted]
     if not rows:
-        return _numbers(random, data)
+        return number_faults(random, data)
     row = rows[random.integers(len(rows))]
     value = random.choice([b"mountain", b"Cut", b"0", b"256", b"-7", b"1A", _number(random)])
     pairs[row] = pairs[row].split(b"\n")[0] + b"\n" + bytes(value)
@@ -377,15 +412,22 @@ def _dxf_value(random, data: bytes) -> bytes:
 
 _OF_KIND: dict[str, list[Callable]] = {
     "svg": [
-        *(_numbers, _numbers, _elements, _svg_inserted, _svg_inserted, _svg_attribute),
-        *(_svg_attribute, _svg_colour, _svg_nested, _svg_path, _entities),
+        *(
+            number_faults,
+            number_faults,
+            element_faults,
+            _svg_inserted,
+            _svg_inserted,
+            _svg_attribute,
+        ),
+        *(_svg_attribute, _svg_colour, _svg_nested, _svg_path, entity_faults),
     ],
-    "dxf": [_numbers, _dxf_value, _dxf_value, _dxf_inserted, _dxf_inserted, _dxf_structures],
-    "cp": [_numbers, _rows, _rows],
-    "opx": [_numbers, _elements, _rows, _entities],
-    "ori": [_json, _json, _json, _numbers],
-    "fold": [_json, _json, _fold_keys, _numbers],
-    "obj": [_numbers, _rows, _rows],
+    "dxf": [number_faults, _dxf_value, _dxf_value, _dxf_inserted, _dxf_inserted, _dxf_structures],
+    "cp": [number_faults, row_faults, row_faults],
+    "opx": [number_faults, element_faults, row_faults, entity_faults],
+    "ori": [json_faults, json_faults, json_faults, _json_text, number_faults],
+    "fold": [json_faults, json_faults, _fold_keys, _json_text, number_faults],
+    "obj": [number_faults, row_faults, row_faults],
 }
 
 
@@ -395,5 +437,5 @@ def with_file_faults(random: np.random.Generator, kind: str, data: bytes) -> byt
         faults = _OF_KIND[kind]
         data = faults[random.integers(len(faults))](random, data)
     if random.integers(20) == 0:
-        data = _bytes(random, data)
+        data = byte_faults(random, data)
     return data

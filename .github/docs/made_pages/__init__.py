@@ -14,6 +14,7 @@ from made_pages.files import formats_page
 from made_pages.findings import findings_page
 from made_pages.gallery import gallery_pages, pictures_copied, results_made
 from made_pages.keys import keys_pages
+from made_pages.limits import limits_page
 from made_pages.python_names import mathematics_page, names_page
 from made_pages.stock import stock_page
 
@@ -31,6 +32,7 @@ def pages(results: set[str]) -> dict[str, str]:
         "figures.md": figures_page(),
         "findings.md": findings_page(),
         "formats.md": formats_page(),
+        "limits.md": limits_page(),
         "machines.md": stock_page("machines"),
         "materials.md": stock_page("materials"),
         "fab.md": names_page("fab"),

@@ -29,13 +29,13 @@ from fab.formats.source_files import shown
 from fab.formats.units import unit_named
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["read_dxf"]
+__all__ = ["DEEPEST", "read_dxf"]
 
 # Curves are off their chords by up to this, mm, but neither less than the first nor more than the
 # second of these shares of the drawing's diagonal.
 TOLERANCE_MM = 0.01
 _SHARES = 1e-6, 1e-4
-_DEEPEST = 50
+DEEPEST = 50
 # Over the diagonal: nearer to z = 0 is on it.
 _PLANE = 1e-9
 _BYBLOCK, _BLACK_ACI, _LAST_ACI = 0, 7, 255
@@ -213,8 +213,8 @@ class _Walk:
         if block is None:
             return 1
         name = str(block.name).casefold()
-        if name in above or len(above) > _DEEPEST:
-            what = "contains itself" if name in above else f"is over {_DEEPEST} blocks deep"
+        if name in above or len(above) > DEEPEST:
+            what = "contains itself" if name in above else f"is over {DEEPEST} blocks deep"
             raise InvalidFile(f"{self.path}: the block {shown(block.name)} {what}. Explode it.")
         if name not in self.weights:
             self.weights[name] = 1 + self._weight(block, (*above, name))

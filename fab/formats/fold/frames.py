@@ -5,7 +5,6 @@ Specification: https://github.com/edemaine/fold/blob/main/doc/spec.md (version 1
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,14 @@ from fab.files import require_file
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold.flat_frames import FlatSheet, flat_sheet, is_open
 from fab.formats.fold.unfolding import unfolded
+from fab.formats.json_files import read_json
 from fab.formats.pattern_file import State
 from fab.formats.read_options import ReadOptions
 from fab.outputs import plain_title
 from solver.vectors import FloatArray, IntArray
 
 __all__ = [
+    "LARGEST_BYTES",
     "SEAM_KEY",
     "STATE_KEY",
     "Frames",
@@ -36,8 +37,8 @@ __all__ = [
     "read_frames",
 ]
 
-# A file over this is refused before it is parsed: it would not fit into memory several times.
-_LARGEST_BYTES = 2_000_000_000
+# About 5 million vertices, flat and folded.
+LARGEST_BYTES = 2_000_000_000
 # Marks a simulated state among folded forms; keys with a colon are left to programs.
 STATE_KEY = "quadfold:state"
 # Numbers of the points at which rims of several sheets are glued together.
@@ -261,22 +262,8 @@ def frame_title(frame: _Frame) -> str:
 
 
 def _load(path: Path) -> dict[str, Any]:
-    try:
-        size = require_file(path, InvalidFile, "Give the path of a FOLD file.")
-        if size > _LARGEST_BYTES:
-            raise InvalidFile(
-                f"{path}: {size} bytes is over the bound of {_LARGEST_BYTES}. Split the model."
-            )
-        document = json.loads(path.read_text(encoding="utf-8-sig"))
-    except InvalidFile:
-        raise
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot be read: {error.strerror}. Check the path.") from error
-    except (ValueError, RecursionError) as error:  # not JSON, not UTF-8, or endless digits
-        raise InvalidFile(f"{path}: not a JSON file: {error}.") from error
-    if not isinstance(document, dict):
-        raise InvalidFile(f"{path}: a FOLD file is one JSON object, this is not.")
-    return document
+    require_file(path, InvalidFile, "Give the path of a FOLD file.")
+    return read_json(path, LARGEST_BYTES)
 
 
 def frame_list(path: Path, frame: dict[str, Any], key: str, default: list[Any]) -> list[Any]:

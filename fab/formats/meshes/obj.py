@@ -9,10 +9,15 @@ from pathlib import Path
 import numpy as np
 
 from fab.errors import InvalidFile
+from fab.formats.source_files import source_bytes
 from fab.outputs import plain_title
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["ObjMesh", "obj_bytes", "read_obj"]
+__all__ = ["LARGEST_BYTES", "ObjMesh", "obj_bytes", "read_obj"]
+
+
+# About 2 million vertices.
+LARGEST_BYTES = 200_000_000
 
 
 @dataclass(frozen=True)
@@ -34,10 +39,7 @@ def read_obj(path: Path) -> ObjMesh:
 
     Raises `InvalidFile` with the line for what cannot be read, and for points that are not finite.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot be read: {error.strerror}. Check the path.") from error
+    lines = source_bytes(path, LARGEST_BYTES).decode("utf-8-sig", "replace").splitlines()
     points: list[list[float]] = []
     faces: list[list[int]] = []
     for number, line in enumerate(lines, 1):

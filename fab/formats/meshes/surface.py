@@ -14,23 +14,46 @@ from solver.targets.base import Target
 from solver.targets.mesh import MeshSurface
 from solver.targets.parametric import ParametricSurface
 
-__all__ = ["LARGE_MESH_BYTES", "read_surface", "reading_bounds", "require_surface"]
+__all__ = [
+    "LARGEST_BYTES",
+    "LARGE_MESH_BYTES",
+    "MEMORY_MB",
+    "MEMORY_MB_PER_MB",
+    "SECONDS",
+    "SECONDS_PER_MB",
+    "read_surface",
+    "reading_bounds",
+    "require_surface",
+]
 
 _MESHES = (".obj", ".ply", ".stl")
 _MODELS = (".step", ".stp")
 # Larger meshes are read in a process of their own.
 LARGE_MESH_BYTES = 5_000_000
+# Larger files are refused.
+LARGEST_BYTES = 500_000_000
+# What such a process may take at least, and for each MB of the file: far more than sound files
+# need.
+SECONDS, SECONDS_PER_MB = 30, 10
+MEMORY_MB, MEMORY_MB_PER_MB = 2000, 100
 
 
 def require_surface(path: Path, endings: Sequence[str]) -> int:
     """The size in bytes of a file with one of these endings, in lower case.
 
-    Raises `InvalidFile` for another ending, and where there is no file that can be read.
+    Raises `InvalidFile` for another ending, where there is no file that can be read, and for one
+    of over 500 MB.
     """
     if path.suffix.lower() not in endings:
         named = ", ".join(endings)
         raise InvalidFile(f"{shown_path(path)}: surfaces are read from files that end in {named}.")
-    return require_file(path, InvalidFile, "Check the path of the surface.")
+    size = require_file(path, InvalidFile, "Check the path of the surface.")
+    if size > LARGEST_BYTES:
+        raise InvalidFile(
+            f"{shown_path(path)}: {size} bytes are over the bound of {LARGEST_BYTES}. Export the "
+            "surface alone, or as a simpler mesh."
+        )
+    return size
 
 
 def read_surface(
@@ -75,6 +98,6 @@ def read_surface(
 
 
 def reading_bounds(size: int) -> Bounds:
-    """What the reading of a file of this many bytes may take; far more than sound files need."""
+    """What the reading of a file of this many bytes may take."""
     megabytes = size / 1e6
-    return Bounds(seconds=30 + 10 * megabytes, memory_mb=2000 + 100 * megabytes)
+    return Bounds(SECONDS + SECONDS_PER_MB * megabytes, MEMORY_MB + MEMORY_MB_PER_MB * megabytes)

@@ -25,6 +25,8 @@ __all__ = ["read_opx"]
 
 # About 150,000 lines.
 LARGEST_BYTES = 100_000_000
+# Of elements in each other, and of all; ORIPA writes some ten for a line.
+DEEPEST, MOST_ELEMENTS = 100, 4_000_000
 _LINE, _DATA = "oripa.OriLineProxy", "oripa.DataSet"
 _ENDS = ("x0", "y0", "x1", "y1")
 # 4 since ORIPA 1.60 or so; its lines of type 9 show a cut through the folded model.
@@ -86,9 +88,19 @@ def _elements(path: Path) -> Iterator[Any]:
     from defusedxml.ElementTree import iterparse
 
     data = source_bytes(path, LARGEST_BYTES)
+    depth = count = 0
     try:
-        for _, element in iterparse(io.BytesIO(data), events=("end",), forbid_dtd=True):
-            yield element
+        for event, element in iterparse(io.BytesIO(data), events=("start", "end"), forbid_dtd=True):
+            if event == "end":
+                depth -= 1
+                yield element
+                continue
+            depth, count = depth + 1, count + 1
+            if depth > DEEPEST or count > MOST_ELEMENTS:
+                raise InvalidFile(
+                    f"{path}: has over {MOST_ELEMENTS} elements, or over {DEEPEST} in each other, "
+                    "as no file of ORIPA has. Save it in ORIPA again."
+                )
     except DefusedXmlException as error:
         raise InvalidFile(
             f"{path}: it has a document type or entities, which ORIPA never writes. Remove them."

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity
 from fab.formats.drawn.line_soup import LineSoup
+from fab.formats.json_files import read_json
 from fab.formats.oripa.lines import AUXILIARY, oripa_soup
 from fab.formats.read_options import ReadOptions
 from fab.formats.source_files import decoded, shown, source_bytes
@@ -43,7 +43,7 @@ def read_ori(path: Path, options: ReadOptions) -> LineSoup:
     """
     data = source_bytes(path, LARGEST_BYTES)
     if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"{"):
-        return _from_json(path, data, options)
+        return _from_json(path, options)
     text = decoded(path, data, _ENCODINGS)
     if _LINES_OF_ORIHIME in text:
         return _from_orihime(path, text, options)
@@ -53,11 +53,8 @@ def read_ori(path: Path, options: ReadOptions) -> LineSoup:
     )
 
 
-def _from_json(path: Path, data: bytes, options: ReadOptions) -> LineSoup:
-    try:
-        document = json.loads(data.decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        raise InvalidFile(f"{path}: not a JSON file: {error}.") from error
+def _from_json(path: Path, options: ReadOptions) -> LineSoup:
+    document = read_json(path, LARGEST_BYTES)
     segments = document.get("lineSegments")
     if not isinstance(segments, list):
         raise InvalidFile(f"{path}: it has no lineSegments. Save it in Oriedita again.")

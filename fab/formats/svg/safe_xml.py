@@ -13,15 +13,16 @@ from pathlib import Path
 from xml.parsers import expat
 
 from fab.errors import InvalidFile
+from fab.formats.source_files import source_bytes
 
-__all__ = ["MOST_BYTES", "Document", "read_xml"]
+__all__ = ["DEEPEST", "MOST_BYTES", "MOST_ELEMENTS", "MOST_ENTITIES", "Document", "read_xml"]
 
 # What is read with less than 1 GB of memory.
 MOST_BYTES = 100_000_000
-_MOST_ELEMENTS = 500_000
-_DEEPEST = 256
-# All that entities may add to a file.
-_MOST_EXPANDED = 1_000_000
+MOST_ELEMENTS = 500_000
+DEEPEST = 256
+# Entities of a file, and all that they may add to it.
+MOST_ENTITIES, _MOST_EXPANDED = 100, 1_000_000
 _LONGEST_ENTITY = 1000
 _GZIP = b"\x1f\x8b"
 
@@ -45,13 +46,10 @@ def read_xml(path: Path) -> Document:
 
     Raises `InvalidFile` for files over 100 MB, unpacked or not, with more than 500,000 elements or
     with elements in each other over 256 deep, for files that are not XML, and for entities that are
-    declared as anything but plain text of up to 1000 characters or that add over 1 MB to the file.
+    declared as anything but plain text of up to 1000 characters, that are more than 100, or that
+    add over 1 MB to the file.
     """
-    try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-    except OSError as error:
-        raise InvalidFile(f"{path}: cannot be read: {error.strerror or error}.") from error
+    data = source_bytes(path, MOST_BYTES)
     if data.startswith(_GZIP):
         data = _unpacked(path, data)
     if len(data) > MOST_BYTES:
@@ -100,19 +98,21 @@ def _unpacked(path: Path, data: bytes) -> bytes:
 def _inspected(data: bytes) -> str:
     """The comments before the root element; raises `_Refused` for what would not be read safely."""
     parser = expat.ParserCreate()
+    parser.ordered_attributes = parser.buffer_text = True
     entities: dict[str, int] = {}
     comments: list[str] = []
-    depth = count = 0
+    depth = count = letters = 0
 
-    def begin(_name: str, _attributes: list[str]) -> None:
+    def begin(_name: str, attributes: list[str]) -> None:
         nonlocal depth, count
+        added(sum(map(len, attributes)))
         depth += 1
         count += 1
-        if depth > _DEEPEST:
-            raise _Refused(f"elements are within each other over {_DEEPEST} deep. Ungroup them.")
-        if count > _MOST_ELEMENTS:
+        if depth > DEEPEST:
+            raise _Refused(f"elements are within each other over {DEEPEST} deep. Ungroup them.")
+        if count > MOST_ELEMENTS:
             raise _Refused(
-                f"more than {_MOST_ELEMENTS} elements. Join lines of one kind to paths, or split "
+                f"more than {MOST_ELEMENTS} elements. Join lines of one kind to paths, or split "
                 "the drawing into several files."
             )
 
@@ -141,8 +141,13 @@ def _inspected(data: bytes) -> str:
                 "files or fill the memory. Save the file as plain SVG."
             )
         entities[name] = len(value or "")
-        added = sum(length * data.count(f"&{key};".encode()) for key, length in entities.items())
-        if added > _MOST_EXPANDED:
+        if len(entities) > MOST_ENTITIES:
+            raise _Refused(f"it declares over {MOST_ENTITIES} entities. Save it as plain SVG.")
+
+    def added(length: int) -> None:
+        nonlocal letters
+        letters += length
+        if letters > len(data) + _MOST_EXPANDED:
             raise _Refused("its entities add over 1 MB to the file. Save it as plain SVG.")
 
     def external(_context: str, _base: str | None, _system: str | None, _public: str | None) -> int:
@@ -151,6 +156,7 @@ def _inspected(data: bytes) -> str:
     parser.StartElementHandler = begin
     parser.EndElementHandler = end
     parser.CommentHandler = comment
+    parser.CharacterDataHandler = lambda text: added(len(text))
     parser.EntityDeclHandler = entity
     parser.ExternalEntityRefHandler = external
     parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)

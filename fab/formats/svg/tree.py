@@ -32,11 +32,11 @@ from fab.formats.svg.viewports import (
     viewport_matrix,
 )
 
-__all__ = ["Drawing", "Shape", "drawing_of"]
+__all__ = ["DEEPEST_USE", "MOST_SHAPES", "Drawing", "Shape", "drawing_of"]
 
 # `use` elements may multiply a drawing; deeper ones refer to each other in a circle.
-_MOST_SHAPES = 200_000
-_DEEPEST_USE = 32
+MOST_SHAPES = 200_000
+DEEPEST_USE = 32
 
 _INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 _SERIF = "{http://www.serif.com/}"
@@ -148,9 +148,9 @@ def drawing_of(
             out.left_out["elements of unknown kinds"] += tag not in _MOTIONS
             continue
         drawn += around.uses > 0
-        if drawn > _MOST_SHAPES:
+        if drawn > MOST_SHAPES:
             raise InvalidFile(
-                f"{path}: its `use` elements draw more than {_MOST_SHAPES} elements. Draw the "
+                f"{path}: its `use` elements draw more than {MOST_SHAPES} elements. Draw the "
                 "lines themselves."
             )
         declared = sheets.of(element)
@@ -273,7 +273,7 @@ def _used(
         out.left_out["references to other files"] += 1
         return []
     found = known.get(target[1:])
-    if found is None or context.uses >= _DEEPEST_USE:
+    if found is None or context.uses >= DEEPEST_USE:
         out.fault("use", f"use of {target!r}")
         return []
     width, height = context.size

@@ -1,0 +1,169 @@
+"""Bounds of readers hold before the work that they bound."""
+
+import json
+import tracemalloc
+
+import pytest
+
+from fab.errors import InvalidFile, InvalidJob
+from fab.formats import json_files
+from fab.formats.json_files import memory_needed, read_json
+from fab.formats.read_options import ReadOptions
+from fab.formats.reading import READ, read_pattern_file
+from fab.formats.svg.safe_xml import read_xml
+from fab.jobs.reading_limits import LIMITS
+from fab.settings import DEEPEST, apply_change, parsed_toml
+from fab.surfaces.mesh_reader import MESH_ENDINGS
+from fab.surfaces.reading import read_surface_mesh
+
+PATTERNS = [limit for limit in LIMITS if set(limit.endings) <= set(READ)]
+SURFACES = [limit for limit in LIMITS if limit not in PATTERNS]
+
+
+def of_size(path, size):
+    with path.open("wb") as file:
+        file.truncate(size)  # takes no room on the disk
+    return path
+
+
+def test_every_format_has_its_limits():
+    assert {ending for limit in PATTERNS for ending in limit.endings} == set(READ)
+    surfaces = {ending for limit in SURFACES for ending in limit.endings}
+    assert surfaces == {*MESH_ENDINGS, ".step", ".stp"}
+
+
+@pytest.mark.parametrize("limit", PATTERNS, ids=lambda limit: limit.endings[0])
+def test_patterns_over_their_size_are_refused_unread(limit, tmp_path):
+    for ending in limit.endings:
+        path = of_size(tmp_path / f"a{ending}", limit.largest_bytes + 1)
+        tracemalloc.start()
+        with pytest.raises(InvalidFile, match=f"over the bound of {limit.largest_bytes}"):
+            read_pattern_file(path, ReadOptions())
+        taken = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert taken < 10**7
+
+
+@pytest.mark.parametrize("limit", SURFACES, ids=lambda limit: limit.endings[0])
+def test_surfaces_over_their_size_are_refused_unread(limit, tmp_path):
+    for ending in limit.endings:
+        path = of_size(tmp_path / f"a{ending}", limit.largest_bytes + 1)
+        with pytest.raises(InvalidFile, match=f"over the bound of {limit.largest_bytes}"):
+            read_surface_mesh(path)
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        {"a": [[0.1 + i, 1.5 * i] for i in range(20_000)]},
+        {"a": [[] for _ in range(100_000)]},
+        {"a": [{} for _ in range(100_000)]},
+        {"a": [{"a": 1.5}] * 100_000},
+        {"a": ["word"] * 100_000},
+        {"a": list(range(10**9, 10**9 + 100_000))},
+        {str(i): i for i in range(50_000)},
+        {"a": "x" * 10**6},
+        {"a": "é" + "x" * 10**6},
+    ],
+    ids=[
+        "points",
+        "lists",
+        "empty objects",
+        "objects",
+        "texts",
+        "integers",
+        "keys",
+        "letters",
+        "wide letters",
+    ],
+)
+def test_the_memory_that_json_takes_is_not_more_than_is_estimated(document, tmp_path):
+    path = tmp_path / "a.fold"
+    for separators in ((",", ":"), (", ", ": ")):
+        path.write_text(json.dumps(document, separators=separators, ensure_ascii=False), "utf-8")
+        tracemalloc.start()
+        read_json(path, 10**8)
+        taken = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert taken <= memory_needed(path.read_bytes()) + 10**5
+
+
+def test_json_that_does_not_fit_into_memory_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "a.fold"
+    path.write_text('{"vertices_coords": [' + "[0.0, 1.0]," * 1000 + "[0, 0]]}")
+    monkeypatch.setattr(json_files, "free_bytes", lambda: 200_000)
+    with pytest.raises(InvalidFile, match=r"GB of memory, and 0\.0002 GB are free"):
+        read_pattern_file(path, ReadOptions())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+@pytest.mark.parametrize("place", ["<text>{}</text>", '<text x="{}"/>'])
+def test_entities_add_no_more_than_their_bound_in_any_encoding(encoding, place, tmp_path):
+    path = tmp_path / "a.svg"
+    head = f'<?xml version="1.0" encoding="{encoding}"?><!DOCTYPE svg [<!ENTITY a "{"x" * 900}">]>'
+    path.write_text(f"{head}<svg>{place.format('&a;' * 3000)}</svg>", encoding)
+    with pytest.raises(InvalidFile, match="entities add over 1 MB"):
+        read_xml(path)
+    path.write_text(f"{head}<svg>{place.format('&a;' * 900)}</svg>", encoding)
+    read_xml(path)
+
+
+def test_many_entities_are_refused_at_once(tmp_path):
+    path = tmp_path / "a.svg"
+    entities = "".join(f'<!ENTITY a{i} "x">' for i in range(20_000))
+    path.write_text(f"<!DOCTYPE svg [{entities}]><svg>{'&a1;' * 100_000}</svg>")
+    with pytest.raises(InvalidFile, match="declares over 100 entities"):
+        read_xml(path)
+
+
+def test_opx_files_have_a_bound_on_their_depth(tmp_path):
+    path = tmp_path / "a.opx"
+    path.write_text("<java>" + "<a>" * 101 + "</a>" * 101 + "</java>")
+    with pytest.raises(InvalidFile, match="over 100 in each other"):
+        read_pattern_file(path, ReadOptions())
+
+
+def test_tables_have_a_bound_on_their_depth():
+    deepest = "x = " + "[" * (DEEPEST - 1) + "]" * (DEEPEST - 1)
+    assert parsed_toml(deepest.encode(), "a.toml", "Mend it.")
+    for text in ("x = [" + deepest[4:] + "]", "[" + "a." * DEEPEST + "a]\nb = 1"):
+        with pytest.raises(InvalidJob, match=f"over {DEEPEST} deep"):
+            parsed_toml(text.encode(), "a.toml", "Mend it.")
+
+
+def test_a_change_of_thousands_of_digits_or_brackets_is_text():
+    for value in ("9" * 5000, "[" * 900 + "]" * 900, "[" * 50_000):
+        document = {}
+        apply_change(document, f"design.rows={value}")
+        assert document == {"design": {"rows": value}}
+
+
+@pytest.mark.parametrize(
+    "head", [b"<!a>" * 1000, b"\n" * 4000, b" \r\n" * 1300, b"999\r\na\r\n" * 500, b"g a\r\n" * 800]
+)
+def test_files_without_an_ending_are_refused_at_once(head, tmp_path):
+    """Some patterns of beginnings fitted such files in more ways than there is time for."""
+    path = tmp_path / "nameless"
+    path.write_bytes(head + b"x")
+    with pytest.raises(InvalidFile, match="not a crease pattern"):
+        read_pattern_file(path, ReadOptions())
+
+
+@pytest.mark.parametrize(
+    ("head", "ending"),
+    [
+        (b'<?xml version="1.0"?>\n<!-- <java> -->\n<!DOCTYPE svg [<!ENTITY a "1">]>\n', ".svg"),
+        (b"\xef\xbb\xbf\n", ".svg"),
+        (b"# by hand\r\n\r\no sheet\r\n", ".obj"),
+        (b"999\r\nby hand\r\n  ", ".dxf"),
+    ],
+)
+def test_files_are_known_by_their_beginning(head, ending, tmp_path):
+    path = tmp_path / "nameless"
+    rest = {".svg": b"<svg ", ".obj": b"v 0 0 0\r\nf 1 2 3\r\n", ".dxf": b"0\r\nSECTION\r\n"}[
+        ending
+    ]
+    path.write_bytes(head + rest)
+    with pytest.raises(InvalidFile) as caught:
+        read_pattern_file(path, ReadOptions())
+    assert "not a crease pattern" not in str(caught.value)
