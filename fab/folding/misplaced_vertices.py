@@ -103,7 +103,7 @@ def _distances(pattern: CreasePattern, vertices: IntArray) -> FloatArray:
 
 
 def _moves(pattern: CreasePattern, vertices: IntArray) -> FloatArray:
-    """Moves of some vertices that close them to first order, mm, shape (n, 2)."""
+    """Moves of some vertices that close them to first order, mm, shape (n, 2); NaN for none."""
     jacobian, missed = _closures(pattern, vertices)
     weight = np.ones(len(vertices))
     moves = np.zeros((len(vertices), 2))
@@ -113,7 +113,10 @@ def _moves(pattern: CreasePattern, vertices: IntArray) -> FloatArray:
         normal = normal + _DAMPING * normal.diagonal().mean() * diags_array(
             np.ones(normal.shape[0])
         )
-        pull = splu(normal.tocsc()).solve(-missed)
+        try:
+            pull = splu(normal.tocsc()).solve(-missed)
+        except RuntimeError:  # singular: no crease around them turns as they move
+            return np.full((len(vertices), 2), np.nan)
         moves = (scaled.T @ pull).reshape(-1, 2)
         length = np.hypot(*moves.T)
         weight = length + 1e-3 * length.max(initial=0.0)

@@ -51,7 +51,7 @@ def source_text(path: Path, largest: int) -> str:
 def decoded(path: Path, data: bytes, encodings: tuple[str, ...] = ("utf-8", "cp1252")) -> str:
     """The text of bytes: by their byte-order mark, or the first encoding that they fit.
 
-    Raises `InvalidFile` for what is no text: NUL bytes, or none of the encodings.
+    Raises `InvalidFile` for what is no text: NUL bytes, none of the encodings, or nothing at all.
     """
     named = [encoding for mark, encoding in _MARKS if data.startswith(mark)]
     for encoding in named or encodings:
@@ -59,6 +59,8 @@ def decoded(path: Path, data: bytes, encodings: tuple[str, ...] = ("utf-8", "cp1
             text = data.decode(encoding)
         except UnicodeError:
             continue
+        if not text.strip():  # blank in its own letters: bytes alone do not show that
+            raise InvalidFile(f"{path}: the file is empty. Export it again.")
         if "\0" not in text:
             return text
     raise InvalidFile(f"{path}: not a text file. Export it again, or rename it by what it is.")

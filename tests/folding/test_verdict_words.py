@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from flat_patterns import fan
 from helpers import PATTERNS
 from load_references import quads
 
@@ -195,3 +196,10 @@ def test_shipped_sheets_say_what_they_bear_thin_ones_first():
     assert names[:2] == ["copy_paper_80gsm", "pet_film_0.19mm"]
     assert "plywood_3mm" not in names  # no source gives a figure
     assert [each.name for each in bearing_sheets("card_300gsm")] == ["card_300gsm"]
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 1e-200])
+def test_vertices_whose_creases_do_not_fold_say_nothing_of_their_places(angle_deg):
+    flat = fan(3, 50.0)
+    angles = np.where(flat.edges_assignment == "M", -angle_deg, 0.0)
+    assert misplaced_vertices(replace(flat, edges_foldAngle=angles), np.array([0])) == []

@@ -8,6 +8,7 @@ import pytest
 from fab.errors import InvalidFile, InvalidJob
 from fab.formats import json_files
 from fab.formats.json_files import memory_needed, read_json
+from fab.formats.meshes.surface import read_surface
 from fab.formats.read_options import ReadOptions
 from fab.formats.reading import READ, read_pattern_file
 from fab.formats.svg.safe_xml import read_xml
@@ -15,6 +16,7 @@ from fab.jobs.reading_limits import LIMITS
 from fab.settings import DEEPEST, apply_change, parsed_toml
 from fab.surfaces.mesh_reader import MESH_ENDINGS
 from fab.surfaces.reading import read_surface_mesh
+from solver.errors import InvalidState, InvalidValue, OrigamiError
 
 PATTERNS = [limit for limit in LIMITS if set(limit.endings) <= set(READ)]
 SURFACES = [limit for limit in LIMITS if limit not in PATTERNS]
@@ -167,3 +169,72 @@ def test_files_are_known_by_their_beginning(head, ending, tmp_path):
     with pytest.raises(InvalidFile) as caught:
         read_pattern_file(path, ReadOptions())
     assert "not a crease pattern" not in str(caught.value)
+
+
+@pytest.mark.parametrize("ending", [".cp", ".orh", ".ori"])
+@pytest.mark.parametrize("text", ["\x1c", "\x1f \x85", "\u2003\n", "\ufeff \n"])
+def test_files_of_blanks_of_any_kind_are_empty(text, ending, tmp_path):
+    path = tmp_path / f"a{ending}"
+    path.write_bytes(text.encode())
+    with pytest.raises(InvalidFile, match="empty"):
+        read_pattern_file(path, ReadOptions())
+
+
+@pytest.mark.parametrize("data", ["C1 2 3 4 5 6", "Q1 2 3 4L9 9", "A5 5 0 0 1 9 9", "S1 2 3 4"])
+def test_curves_of_a_path_that_begins_nowhere_are_not_drawn(data, tmp_path):
+    path = tmp_path / "a.svg"
+    square = "M0 0H100V100H0Z"
+    head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 200">'
+    path.write_text(
+        f'{head}<path d="{square}" stroke="black"/><path d="{data}" stroke="red"/></svg>'
+    )
+    read = read_pattern_file(path, ReadOptions())
+    assert read.pattern.counts() == {"M": 0, "V": 0, "F": 0, "B": 4}
+    assert any("path" in finding.text for finding in read.findings)
+
+
+@pytest.mark.parametrize(
+    ("ending", "text"),
+    [
+        (".ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "0 0 0\n4 0 0\n4 3 0\n0 3 0\n4 0 1 2 99\n"),
+        (".off", "OFF\n4 2 0\n0 0 0\n4 0 0\n4 1e200 0\n0 3 0\n3 0 1 2\n3 2 3 0\n"),
+        (".obj", "v 0 0 0\nv 4 0 0\nv 4 1e300 0\nv 0 3 0\nf 1 2 3 4\n"),
+    ],
+)  # fmt: skip
+def test_meshes_of_no_vertices_and_of_any_size_are_refused(ending, text, tmp_path):
+    path = tmp_path / f"a{ending}"
+    path.write_text(text)
+    for read in (read_surface_mesh, read_surface):
+        with pytest.raises(OrigamiError, match=r"vert|finite"):
+            read(path)
+
+
+def test_a_glb_file_that_says_it_holds_gigabytes_is_refused_within_its_bounds(tmp_path):
+    import trimesh
+
+    data = trimesh.creation.box().export(file_type="glb")
+    size = int.from_bytes(data[12:16], "little")
+    head = json.loads(data[20 : 20 + size])
+    for accessor in head["accessors"]:
+        accessor["count"] = 10**11
+        accessor.pop("bufferView")  # zeros, as many as it says
+    text = json.dumps(head).encode()
+    text += b" " * (-len(text) % 4)
+    rest = data[20 + size :]
+    whole = (12 + 8 + len(text) + len(rest)).to_bytes(4, "little")
+    path = tmp_path / "a.glb"
+    path.write_bytes(data[:8] + whole + len(text).to_bytes(4, "little") + b"JSON" + text + rest)
+    with pytest.raises(OrigamiError, match=r"memory|readable glb|allocate"):
+        read_surface_mesh(path)
+
+
+def test_errors_hold_no_control_characters():
+    for error in (
+        InvalidFile("a\x1b]0;title\x07\u202e"),
+        InvalidJob("\x7f"),
+        InvalidValue("x", "\x00", "be \x1b", "No."),
+        InvalidState("x", "\x00 is", "No."),
+    ):
+        assert str(error).isprintable()

@@ -221,9 +221,11 @@ def _path(data: str, place: Place) -> Drawn:
             finish(closed=False)
             run = _placed([(end.x, end.y)], place.matrix)
             continue
+        if segment.start is None:  # a path that does not begin with a move
+            out.broken = True
+            break
         if not run:
-            start = segment.start or end
-            run = _placed([(start.x, start.y)], place.matrix)
+            run = _placed([(segment.start.x, segment.start.y)], place.matrix)
         if isinstance(segment, svgelements.Arc):
             centre = segment.center
             across = (segment.prx.x - centre.x, segment.prx.y - centre.y)
