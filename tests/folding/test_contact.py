@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
+from fab.folding.contact import past_contact
 from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
 from fab.folding.contact.contact import Contact
@@ -200,6 +201,15 @@ def square_roll(turns, pitch):
     return folded_strip(lengths, [90.0] * (len(lengths) - 1))
 
 
+def spiral(turns, pitch, panels=20):
+    """A ribbon that rolls up to a spiral, mm, of so many panels a turn."""
+    turned = np.linspace(0, 2 * np.pi * turns, panels * turns + 1)
+    ends = (6 + pitch * turned / (2 * np.pi)) * np.exp(1j * turned)
+    sides = np.diff(ends)
+    angles = np.degrees(np.angle(sides[1:] / sides[:-1]))
+    return folded_strip(np.abs(sides), angles, width=3.0)
+
+
 def test_a_strip_rolls_up_where_its_turns_have_room():
     frame = framework(square_roll(turns=3, pitch=2.0))
     through = fold(frame)
@@ -339,6 +349,40 @@ def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
     _, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=False))
     assert verdict.stopped is None
     assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_flaps_that_are_in_each_others_way_fold_one_after_the_other():
+    # the long flap lies under the short one, which is before it where both fold at one rate
+    pattern = folded_strip([34.0, 40.0, 20.0], [178.0, 160.0])
+    together = fold_in_contact(framework(pattern))
+    assert not judge(together).reached
+    assert together.stopped is not None
+    assert together.stopped.faces == (0, 2)
+    folding, verdict, findings = fold_and_judge(pattern, FoldSettings())
+    assert verdict.reached
+    assert verdict.stopped is None
+    assert folding.in_turn
+    assert_nothing_crosses(folding)
+    noted = next(each for each in findings if each.code == "folded-in-contact")
+    assert "in turn" in noted.text
+    assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_a_fold_in_contact_that_takes_too_long_is_given_up(monkeypatch):
+    monkeypatch.setattr(past_contact, "_LIMIT_S", 0.0)
+    shown, verdict, findings = fold_and_judge(square_roll(3, 2.0), FoldSettings(contact=True))
+    told = next(each for each in findings if each.code == "contact-not-finished")
+    assert "given up" in told.text
+    assert verdict.reached
+    assert verdict.stopped is None
+    assert any(len(crossings(shown.frame, state.coords)) for state in shown.states)
+
+
+def test_a_ribbon_of_many_turns_rolls_up():
+    frame = framework(spiral(turns=4, pitch=0.6))
+    rolled = fold_in_contact(frame)
+    assert judge(rolled).reached
+    assert_nothing_crosses(rolled)
 
 
 def test_the_same_fold_has_the_same_bits():
