@@ -1,6 +1,8 @@
 """Bounds of readers hold before the work that they bound."""
 
+import contextlib
 import json
+import time
 import tracemalloc
 
 import pytest
@@ -238,3 +240,49 @@ def test_errors_hold_no_control_characters():
         InvalidState("x", "\x00 is", "No."),
     ):
         assert str(error).isprintable()
+
+
+def svg_with(text):
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9">{text}</svg>'
+
+
+LONG = {
+    "cp": (".cp", "2 {} 0 5 5\n"),
+    "cp with commas": (".cp", "2 0,5 {} 0 0\n"),
+    "orh": (".orh", "<線分集合>\n番号,1\n色,1\n<tpp>1</tpp>座標,{},1,2,3\n"),
+    "ori": (".ori", '{{"lineSegments": [{{"a": "{}, 1", "b": "1, 1", "color": "RED_1"}}]}}'),
+    "opx": (
+        ".opx",
+        '<java><object class="oripa.DataSet"><void><array class="oripa.OriLineProxy" length="1">'
+        '<void index="0"><object class="oripa.OriLineProxy"><void property="x0"><double>{}</double>'
+        "</void></object></void></array></void></object></java>",
+    ),
+    "size": (".svg", '<svg xmlns="http://www.w3.org/2000/svg" width="{}"><path d="M0 0H9"/></svg>'),
+    "line": (".svg", svg_with('<line x1="{}" x2="9" stroke="red"/>')),
+    "points": (".svg", svg_with('<polyline points="{} 1 2 3" stroke="red"/>')),
+    "path": (".svg", svg_with('<path d="M{} 1L2 3" stroke="red"/>')),
+    "curve": (".svg", svg_with('<path d="M{} 1C2 3 4 5 6 7" stroke="red"/>')),
+    "transform": (".svg", svg_with('<g transform="scale({})"><path d="M0 0H9"/></g>')),
+    "style": (".svg", svg_with('<path d="M0 0H9" style="stroke:{};stroke-width:{}"/>')),
+    "rule": (".svg", svg_with('<style>path{{stroke:{}}} {} > g</style><path d="M0 0H9"/>')),
+    "dashes": (".svg", svg_with('<path d="M0 0H9" stroke="red" stroke-dasharray="{}"/>')),
+    "dxf": (
+        ".dxf",
+        "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n{}\n10\n{}\n20\n0\n11\n9\n21\n9\n0\nENDSEC\n",
+    ),
+    "obj": (".obj", "v {} 0 0\nf 1 2 3\n"),
+    "fold": (".fold", '{{"file_spec": {}, "vertices_coords": [[{}, 0]]}}'),
+}
+
+
+@pytest.mark.parametrize("word", ["1" * 50_000 + "x", "1" + " " * 50_000 + "!", "1." * 25_000])
+@pytest.mark.parametrize("name", LONG)
+def test_long_words_take_no_longer_than_others(name, word, tmp_path):
+    """Some patterns of numbers took a time that grew with the square of their digits."""
+    ending, text = LONG[name]
+    path = tmp_path / f"a{ending}"
+    path.write_text(text.format(word, word))
+    begin = time.process_time()
+    with contextlib.suppress(InvalidFile):
+        read_pattern_file(path, ReadOptions())
+    assert time.process_time() - begin < 3.0

@@ -31,7 +31,7 @@ _KINDS = {1: "border", 2: "mountain", 3: "valley", 4: AUXILIARY, 0: AUXILIARY}
 _TYPES = {"B": 1, "C": 1, "M": 2, "V": 3}
 _COLUMNS = 5
 _COMMENT = ("#", "//", ";", "%", "!")
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?")
 _COMMA_NUMBER = re.compile(r"[+-]?\d+,\d*([eE][+-]?\d+)?")
 _NAMED = 6
 

@@ -31,7 +31,7 @@ _LINE, _DATA = "oripa.OriLineProxy", "oripa.DataSet"
 _ENDS = ("x0", "y0", "x1", "y1")
 # 4 since ORIPA 1.60 or so; its lines of type 9 show a cut through the folded model.
 _KINDS = {0: AUXILIARY, 1: "border", 2: "mountain", 3: "valley", 4: "unassigned"}
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _TEXTS = ("title", "originalAuthorName")
 
 

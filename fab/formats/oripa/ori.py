@@ -23,7 +23,7 @@ LARGEST_BYTES = 100_000_000
 # auxiliary ones in eight colours.
 _KINDS = {0: "border", 1: "mountain", 2: "valley", **dict.fromkeys(range(3, 10), AUXILIARY)}
 _KINDS |= {10: "unassigned"}
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
 _POINT = re.compile(rf"\s*({_NUMBER})\s*,\s*({_NUMBER})\s*")
 _COLOUR = re.compile(r"(?:[A-Z]+_)?(\d{1,2})")
 _LINES_OF_ORIHIME = "<線分集合>"

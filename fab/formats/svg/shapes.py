@@ -20,7 +20,7 @@ _MOST_CHORDS = 20_000
 # Control points nearer to their chord, over its length, make no curve.
 _STRAIGHT_REL = 1e-9
 _STRAIGHT_PATH = re.compile(r"[MmLlHhVvZz0-9eE+\-.,\s]*")
-_TOKEN = re.compile(r"[MmLlHhVvZz]|[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[^\s,]")
+_TOKEN = re.compile(r"[MmLlHhVvZz]|[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?|[^\s,]")
 _COMMAND = re.compile(r"(?=[MmLlHhVvZzCcSsQqTtAa])")
 
 Point = tuple[float, float]

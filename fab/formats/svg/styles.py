@@ -34,6 +34,7 @@ PROPERTIES = {
 # Selectors of more parts could take very long to match.
 _MOST_PARTS = 4
 _MOST_RULES = 5_000
+_DIGITS, _MOST_DIGITS = re.compile(r"\d+"), 1000
 _SVG = "{http://www.w3.org/2000/svg}"
 
 # Value and whether it is important, by property.
@@ -94,7 +95,7 @@ def style_sheets(root: ET.Element) -> Sheets:
 
     matcher: Any = cssselect2.Matcher()
     skipped = kept = 0
-    for text in texts:
+    for text in map(_with_short_numbers, texts):
         for rule in tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True):
             if rule.type == "at-rule":
                 skipped += rule.lower_at_keyword in ("import", "layer", "media", "supports")
@@ -147,7 +148,12 @@ def _declarations(text: str) -> _Declarations:
                 strong = plain.lower().endswith("!important")
                 out[name] = (plain[: -len("!important")].strip() if strong else plain, strong)
         return out
-    return _of_tokens(tinycss2.parse_component_value_list(text))
+    return _of_tokens(tinycss2.parse_component_value_list(_with_short_numbers(text)))
+
+
+def _with_short_numbers(text: str) -> str:
+    """The text without digits beyond those that tinycss2 takes: such numbers are infinite."""
+    return _DIGITS.sub(lambda found: found[0][:_MOST_DIGITS], text)
 
 
 def _of_tokens(tokens: Any) -> _Declarations:

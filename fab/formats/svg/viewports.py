@@ -30,8 +30,9 @@ IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _INCH_MM = 25.4
 # A CSS pixel, mm.
 PX_MM = _INCH_MM / 96
-_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_LENGTH = re.compile(rf"\s*({_NUMBER.pattern})\s*(%|[a-zA-Z]*)\s*$")
+_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
+# Fits a text in one way only, so that none takes long to refuse.
+_LENGTH = re.compile(rf"({_NUMBER.pattern})\s*(%|[a-zA-Z]*)")
 _PHYSICAL_MM = {
     "mm": 1.0,
     "cm": 10.0,
@@ -52,7 +53,7 @@ def numbers(text: str) -> list[float]:
 
 def is_length(text: str) -> bool:
     """Whether a text is a finite number, alone or with a unit of SVG."""
-    found = _LENGTH.match(text)
+    found = _LENGTH.fullmatch(text.strip())
     if found is None or not math.isfinite(float(found[1])):
         return False
     unit = found[2].lower()
@@ -63,7 +64,7 @@ def length_px(text: str | None, whole: float, default: float = 0.0) -> float:
     """A length in CSS pixels, the default where it is none; percentages are of `whole`."""
     if text is None:
         return default
-    found = _LENGTH.match(text)
+    found = _LENGTH.fullmatch(text.strip())
     if found is None:
         return default
     value, unit = float(found[1]), found[2].lower()
@@ -194,7 +195,7 @@ def page_of(attributes: Mapping[str, str], px_mm: float) -> Page:
 
 def _side(text: str | None) -> tuple[float | None, float | None]:
     """A side of the page in mm, or in pixels; neither where it is relative or no length."""
-    found = None if text is None else _LENGTH.match(text)
+    found = None if text is None else _LENGTH.fullmatch(text.strip())
     if found is None:
         return None, None
     value, unit = float(found[1]), found[2].lower()
