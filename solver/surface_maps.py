@@ -17,7 +17,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from solver.errors import InvalidState
-from solver.graphs import edge_keys, labels
+from solver.graphs import edge_keys, labels, weighted_graph
 from solver.targets.surface_mesh import MeshKind, SurfaceMesh
 from solver.vectors import FloatArray, IntArray, cross, dot, norm, unit
 
@@ -179,7 +179,7 @@ def _beyond_cut(mesh: SurfaceMesh, first: IntArray, last: IntArray) -> FloatArra
 
     coords, faces, ends = mesh.vertices_coords, mesh.faces_vertices, mesh.edges_vertices
     lengths = norm(coords[ends[:, 1]] - coords[ends[:, 0]])
-    graph = csc_array((lengths, tuple(ends.T)), shape=(len(coords),) * 2)
+    graph = weighted_graph(lengths, ends, len(coords))
     distance, before, _ = dijkstra(
         graph, directed=False, indices=np.sort(first), return_predecessors=True, min_only=True
     )

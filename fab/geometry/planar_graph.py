@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, depth_first_order
 
 from fab.geometry.rings import ring_areas
+from solver.graphs import weighted_graph
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [
@@ -102,7 +103,7 @@ def _cycles(following: IntArray) -> tuple[IntArray, IntArray, IntArray]:
 def _graph(following: IntArray) -> csr_array:
     """One directed edge from each number."""
     count = len(following)
-    return csr_array((np.ones(count), following, np.arange(count + 1)), shape=(count, count))
+    return weighted_graph(np.ones(count), np.column_stack([np.arange(count), following]), count)
 
 
 def enclosed_faces(

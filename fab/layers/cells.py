@@ -8,7 +8,6 @@ from itertools import pairwise
 from operator import or_
 
 import numpy as np
-from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 from scipy.spatial import cKDTree
 
@@ -16,7 +15,7 @@ from fab.geometry.arrangement import Arrangement, arrangement
 from fab.geometry.planar_graph import walks_of
 from fab.geometry.rings import ring_areas
 from fab.layers.flat_form import FlatForm
-from solver.graphs import labels
+from solver.graphs import labels, weighted_graph
 from solver.polygons import next_corner
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -147,8 +146,8 @@ def _masks(
     both = np.concatenate([left, right]), np.concatenate([right, left])
     # of several edges between two cells, any one is as good
     keys, at = np.unique(both[0] * count + both[1], return_index=True)
-    row, column = np.divmod(keys, count)
-    links = coo_array((np.tile(number, 2)[at], (row, column)), shape=(count, count)).tocsr()
+    pairs = np.column_stack(np.divmod(keys, count))
+    links = weighted_graph(np.tile(number, 2)[at], pairs, count)
     masks = [0] * count
     _, first = np.unique(component, return_index=True)
     for edge in first.tolist():

@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from fab.layers.cells import Cells
 from fab.layers.conditions import Conditions
 from fab.layers.flat_form import FlatForm
+from solver.graphs import weighted_graph
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["corner_heights"]
@@ -90,7 +91,7 @@ def _levels(steps: IntArray, count: int) -> FloatArray | None:
 
 def _mean_levels(steps: IntArray, count: int) -> FloatArray:
     """Levels of sets of regions in a circle, and within each by how many steps lead to a region."""
-    graph = coo_array((np.ones(len(steps)), steps.T), shape=(count, count))
+    graph = weighted_graph(np.ones(len(steps)), steps, count)
     number, label = connected_components(graph, connection="strong")
     between = np.unique(label[steps], axis=0)
     level = _levels(between[between[:, 0] != between[:, 1]], number)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order
 
+from solver.graphs import weighted_graph
 from solver.vectors import IntArray
 
 __all__ = ["assembly_order", "piece_name"]
@@ -23,7 +23,7 @@ def assembly_order(pairs: IntArray, count: int) -> tuple[IntArray, IntArray]:
     ([0, 2, 1, 3], [0, 2, 1, 3])
     """
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
-    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    graph = weighted_graph(np.ones(len(pairs)), pairs, count)
     rank = np.full(count, -1)
     order: list[int] = []
     for first in range(count):

@@ -8,12 +8,11 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array
 
 from fab.geometry.rings import ring_areas
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.overlap import overlapping_faces
-from solver.graphs import labels
+from solver.graphs import labels, weighted_graph
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [
@@ -111,9 +110,8 @@ class FaceSets:
         first, second = pattern.edges_faces[sheet.joined].T
         length = np.hypot(*(self.centres[first] - self.centres[second]).T)
         length = np.maximum(length, 1e-12 * max(sheet.room_mm))
-        pairs = (np.concatenate([first, second]), np.concatenate([second, first]))
-        shape = (self.count, self.count)
-        self.graph = csr_array((np.concatenate([length, length]), pairs), shape=shape)
+        pairs = np.column_stack([np.append(first, second), np.append(second, first)])
+        self.graph = weighted_graph(np.append(length, length), pairs, self.count)
         self.neighbours = _Ragged(self.graph.indices, self.graph.indptr)
         self.overlaps = overlapping_faces(
             pattern.vertices_coords, pattern.faces_vertices, pattern.faces_offsets, pattern.edges

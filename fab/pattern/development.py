@@ -7,13 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from fab.geometry.rings import by_size
 from fab.pattern.overlap import overlapping_faces
 from solver.errors import InvalidValue
-from solver.graphs import EdgeIndex, labels
+from solver.graphs import EdgeIndex, labels, weighted_graph
 from solver.measure import isometry
 from solver.mesh import Edges, QuadMesh
 from solver.polygons import next_corner
@@ -169,9 +168,8 @@ def _unfolding_tree(
     shared = edges.edges_faces[:, 1] >= 0
     ends = coords[edges.edges_vertices[shared]]
     length = norm(ends[:, 1] - ends[:, 0])
-    pairs = tuple(edges.edges_faces[shared].T)
     cost = length.max() / np.maximum(length, 1e-100 * length.max()) if len(length) else length
-    graph = csr_array((cost, pairs), shape=(count, count))
+    graph = weighted_graph(cost, edges.edges_faces[shared], count)
     distance, parent = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
     depth = np.full(count, -1)
     depth[root] = 0

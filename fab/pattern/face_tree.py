@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
-from solver.graphs import edge_keys, labels
+from solver.graphs import edge_keys, labels, weighted_graph
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["FaceTree", "face_tree"]
@@ -63,16 +62,14 @@ def face_tree(centres: FloatArray, pairs: IntArray, lengths: FloatArray) -> Face
     keys = edge_keys(pairs, count)
     _, last = np.unique(keys[::-1], return_index=True)
     chosen = len(keys) - 1 - last
-    ends = tuple(pairs[chosen].T)
-    graph = coo_array((1 / lengths[chosen], ends), shape=(count, count)).tocsr()
-    tree = minimum_spanning_tree(graph)
+    tree = minimum_spanning_tree(weighted_graph(1 / lengths[chosen], pairs[chosen], count))
     tree = tree + tree.T
     roots = _middles(centres, labels(pairs, count))
     parent = np.arange(count)
     for root in roots.tolist():
         order, above = breadth_first_order(tree, root, directed=False)
         parent[order[1:]] = above[order[1:]]
-    number = coo_array((chosen + 1, ends), shape=(count, count)).tocsr()
+    number = weighted_graph(chosen + 1, pairs[chosen], count)
     forward = np.asarray(number[parent, np.arange(count)]).ravel()
     backward = np.asarray(number[np.arange(count), parent]).ravel()
     return FaceTree(roots, parent, np.maximum(forward, backward) - 1, forward > 0)

@@ -65,7 +65,9 @@ class GltfDocument:
         surface = gltf.PbrMetallicRoughness(
             baseColorFactor=list(colour), metallicFactor=0.0, roughnessFactor=0.9
         )
-        self._made.materials.append(gltf.Material(name=name, pbrMetallicRoughness=surface))
+        self._made.materials.append(
+            gltf.Material(name=name, pbrMetallicRoughness=surface, alphaCutoff=None)
+        )
         return len(self._made.materials) - 1
 
     def mesh(
