@@ -1,24 +1,64 @@
-"""How is the command line reached, also when it is interrupted while it loads?"""
+"""Entry point of the command line, which interrupts end cleanly from first to last."""
 
-import signal
+from __future__ import annotations
+
+import os
 import sys
+from contextlib import suppress
+from typing import TYPE_CHECKING, NoReturn
+
+from fab.interrupts import Interrupts, ignore_interrupts
+
+if TYPE_CHECKING:
+    from sys import UnraisableHookArgs
 
 __all__ = ["run"]
 
 
-def run() -> None:
-    """Run `quadfold`; Ctrl-C during start-up ends with exit code 130, once all is loaded.
+def run() -> NoReturn:
+    """Run `quadfold`, and exit. An interrupt while it loads ends it once all is loaded.
 
-    Libraries turn an interrupt while they load into errors of their own.
+    Libraries turn an interrupt while they load into errors of their own. One that comes when the
+    work is done does not change the exit code.
     """
-    came: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: came.append(number))
-    from fab.cli.group import main
+    interrupts = Interrupts(raises=False)
+    sys.unraisablehook = _unraisable
+    with interrupts:
+        from click import Abort, ClickException
 
-    signal.signal(signal.SIGINT, before)
-    if came:
-        sys.exit(130)
-    main(prog_name="quadfold")
+        from fab.cli.group import main
+
+        if interrupts.came:
+            _end(interrupts.exit_code)
+        try:
+            code = main.main(prog_name="quadfold", standalone_mode=False)
+        except ClickException as error:
+            error.show()
+            code = error.exit_code
+        except Abort:  # before a command begins, or when it is over
+            code = interrupts.exit_code
+        except SystemExit as error:
+            code = error.code
+        _end(code if isinstance(code, int) else 0)
+
+
+def _end(code: int) -> NoReturn:
+    """Exit with this code, whatever becomes of who reads what is printed, and of interrupts."""
+    ignore_interrupts()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None:
+                stream.flush()
+        except OSError:  # a closed pipe or a full disk, which is reported again at the exit
+            with suppress(OSError, ValueError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    sys.exit(code)
+
+
+def _unraisable(failed: UnraisableHookArgs) -> None:
+    """Report what goes wrong where nothing can be raised, but for interrupts, which are noted."""
+    if not isinstance(failed.exc_value, KeyboardInterrupt):
+        sys.__unraisablehook__(failed)
 
 
 if __name__ == "__main__":

@@ -9,8 +9,6 @@ import io
 import json
 import logging
 import os
-import shutil
-import tempfile
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,6 +19,8 @@ from typing import Any, TypeVar
 
 from fab.errors import Finding, InvalidJob, Severity, did_you_mean
 from fab.files import shown_path
+from fab.interrupts import held
+from fab.scratch import beside, locked
 from solver.vectors import FloatArray
 
 __all__ = [
@@ -139,29 +139,27 @@ def write(made: Made, folder: str | Path) -> None:
     """Write all files of a run into `folder`, which is made where it is missing.
 
     Every file is written in full beside its place before any is renamed, so an interrupted run
-    leaves no partial file under a final name. Raises `InvalidJob` where the folder cannot take the
-    files.
+    leaves no partial file under a final name. Then all are renamed, and no other run renames any
+    meanwhile. Raises `InvalidJob` where the folder cannot take the files.
     """
     folder = Path(folder)
     require_folder(folder)
     fresh = [p for p in [folder, *folder.absolute().parents] if not p.exists()]
-    beside: Path | None = None
     try:
         for name in made.files:
             if (folder / name).is_dir():
                 raise InvalidJob(f"{folder / name} is a folder. Move it, or choose another --out.")
         folder.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=".quadfold-", dir=folder))
-        for name, data in made.files.items():
-            (beside / name).write_bytes(data)
-        for name in made.files:
-            (beside / name).replace(folder / name)
-        fresh = []
+        with beside(folder) as own:
+            for name, data in made.files.items():
+                (own / name).write_bytes(data)
+            with locked(folder), held():
+                for name in made.files:
+                    (own / name).replace(folder / name)
+                fresh = []
     except OSError as error:
         raise _unwritten(folder, error) from error
     finally:
-        if beside is not None:
-            shutil.rmtree(beside, ignore_errors=True)
         for made_folder in fresh:
             if made_folder.is_dir() and not any(made_folder.iterdir()):
                 made_folder.rmdir()

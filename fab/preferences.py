@@ -6,8 +6,6 @@ which every TOML file is known by its name like a shipped one.
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 from typing import Literal
 
@@ -15,6 +13,7 @@ from pydantic import Field
 
 from fab.errors import InvalidJob, did_you_mean
 from fab.files import shown_path
+from fab.scratch import replaced
 from fab.settings import Settings, checked, read_toml
 
 __all__ = ["Preferences", "own_files", "preferences", "preferences_file", "set_preference"]
@@ -67,14 +66,8 @@ def set_preference(key: str, value: str | None) -> Path:
         else:
             document[key] = value
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, beside = tempfile.mkstemp(dir=path.parent, prefix=".settings-")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(tomlkit.dumps(document))
-            Path(beside).replace(path)
-        except OSError:
-            Path(beside).unlink(missing_ok=True)
-            raise
+        with replaced(path.resolve()) as written:  # which may be a link to a file kept elsewhere
+            written.write_text(tomlkit.dumps(document), "utf-8")
     except OSError as error:
         why = error.strerror or type(error).__name__
         cure = "Make room there, or make its folder one that you may write to."

@@ -32,6 +32,8 @@ class Served:
             env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
             stdout=subprocess.PIPE,
             text=True,
+            # what runs in the background of a shell ignores Ctrl-C
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )
         guard = threading.Timer(60, self.process.kill)
         guard.start()

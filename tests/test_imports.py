@@ -42,7 +42,10 @@ FORMATS: dict[str, set[str]] = {
 # The modules at the root of the formats that know these packages.
 DISPATCH = {"reading"}
 # The modules at the root of `fab`, each of which imports only those before it.
-ROOT_MODULES = ["errors", "files", "progress", "settings", "preferences", "catalogue", "outputs"]
+ROOT_MODULES = [
+    *("errors", "files", "interrupts", "scratch", "progress", "settings", "preferences"),
+    *("catalogue", "outputs"),
+]
 # What geometry may know of the solver.
 GEOMETRY_TAKES = {
     "solver.errors",

@@ -2,30 +2,40 @@
 
 from __future__ import annotations
 
-import signal
+import errno
 import sys
-import threading
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import click
 
 from fab.errors import Finding, Severity
+from fab.files import shown_path
+from fab.interrupts import Interrupts
 from solver.errors import OrigamiError, escaped
 
-__all__ = ["Interrupts", "answers", "say", "tell", "tell_all", "tell_left"]
+__all__ = ["answers", "say", "tell", "tell_all", "tell_left"]
 
 # Files of an earlier run that are named.
 _LISTED = 3
 
 
+# How the machine fails a run, whatever it does: no room, no more files, a disk that is gone.
+_MACHINE_FAILS = {
+    getattr(errno, name)
+    for name in (
+        *("ENOSPC", "EDQUOT", "EFBIG", "EROFS", "EIO", "ESTALE"),
+        *("EMFILE", "ENFILE", "ENOMEM", "EAGAIN"),
+    )
+    if hasattr(errno, name)
+}
+
+
 @contextmanager
 def answers() -> Iterator[Interrupts]:
-    """Turn expected errors into one message and exit code 2, interrupts into 130."""
+    """Turn expected errors into one message and exit code 2, interrupts into 130 or 143."""
     interrupts = Interrupts()
     try:
         with warnings.catch_warnings(), interrupts:
@@ -36,50 +46,18 @@ def answers() -> Iterator[Interrupts]:
         # libraries turn an interrupt during their import into errors of their own
         if interrupts.came or isinstance(error, KeyboardInterrupt):
             say("quadfold: interrupted; no partial file was left.", error=True)
-            sys.exit(130)
+            sys.exit(interrupts.exit_code)
         if isinstance(error, OrigamiError):
             say(f"quadfold: {error}", error=True)
             sys.exit(2)
         if isinstance(error, MemoryError):
             say("quadfold: out of memory. Ask for fewer quads or dashes.", error=True)
             sys.exit(2)
+        if isinstance(error, OSError) and error.errno in _MACHINE_FAILS:
+            place = "" if error.filename is None else f"{shown_path(Path(error.filename))}: "
+            say(f"quadfold: {place}{error.strerror}. No partial file was left.", error=True)
+            sys.exit(2)
         raise
-
-
-class Interrupts:
-    """Notes SIGINT and SIGTERM: some libraries swallow the exception that they raise."""
-
-    def __init__(self) -> None:
-        self.came = False
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> None:
-        if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._note)
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    def _note(self, _: int, frame: FrameType | None) -> None:
-        self.came = True
-        if not _importing(frame):
-            raise KeyboardInterrupt
-
-    def check(self) -> None:
-        """Raise again what a library may have swallowed."""
-        if self.came:
-            raise KeyboardInterrupt
-
-
-def _importing(frame: FrameType | None) -> bool:
-    """Whether a library is being imported, which an exception would leave half done."""
-    while frame is not None:
-        if frame.f_code.co_filename.startswith("<frozen importlib"):
-            return True
-        frame = frame.f_back
-    return False
 
 
 def say(text: str, *, error: bool = False) -> None:

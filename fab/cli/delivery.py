@@ -10,9 +10,10 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fab.cli.console import Interrupts, say, tell, tell_all, tell_left
+from fab.cli.console import say, tell, tell_all, tell_left
 from fab.cli.progress_lines import progress_of
 from fab.errors import Severity
+from fab.interrupts import Interrupts
 from fab.jobs.file_names import Family, left_over
 from fab.outputs import Made, require_folder, write
 from fab.progress import Progress

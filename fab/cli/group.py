@@ -1,7 +1,7 @@
 """The command line: its commands, and the exit codes that they answer with.
 
 0: made and within tolerance. 1: made, but with a finding of severity error. 2: bad usage or bad
-input, nothing written. 130: interrupted, no partial file left.
+input, nothing written. 130: interrupted (143: by SIGTERM), no partial file left.
 """
 
 from __future__ import annotations

@@ -28,6 +28,7 @@ from fab.cli.progress_lines import progress_of
 from fab.cli.run_summary import summary
 from fab.errors import InvalidJob, counted, did_you_mean
 from fab.files import shortened, shown_path
+from fab.scratch import replaced
 
 __all__ = ["new", "run", "templates"]
 
@@ -150,8 +151,8 @@ def new(template: str, out: Path | None) -> None:
             )
         target = out if out is not None else Path(f"{template}.toml")
         try:
-            with target.open("xb") as file:
-                file.write(jobs[template].read_bytes())
+            with replaced(target, fresh=True) as written:
+                written.write_bytes(jobs[template].read_bytes())
         except FileExistsError as error:
             raise InvalidJob(f"{target} exists already. Give another file with --out.") from error
         except OSError as error:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fab.cli.completion import StockName
-from fab.cli.console import Interrupts, answers, say, tell
+from fab.cli.console import answers, say, tell
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
@@ -28,6 +28,7 @@ from fab.cli.options import (
 from fab.cli.preferences import preferred
 from fab.cli.progress_lines import progress_of
 from fab.errors import counted
+from fab.interrupts import Interrupts
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions

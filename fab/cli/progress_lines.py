@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from fab.cli.console import Interrupts, say
+from fab.cli.console import say
+from fab.interrupts import Interrupts
 from fab.progress import Progress
 
 __all__ = ["StageLines", "progress_of"]

@@ -22,6 +22,7 @@ import numpy as np
 from fab.errors import Finding, Severity
 from fab.folding.bar_hinge_model import Energy, Framework
 from fab.folding.quasi_static import FoldState, Reached
+from fab.scratch import replaced
 from solver.vectors import FloatArray
 
 __all__ = ["FoldCheckpoints"]
@@ -61,8 +62,6 @@ class FoldCheckpoints:
         self._key, self._loads = _key(frame, path, loads, per_step), loads
         self._kept_at, self._fails = time.monotonic(), False
         file = self._file
-        with suppress(OSError):
-            self._beside.unlink(missing_ok=True)  # of a run that was killed while it wrote
         if not file.is_file():
             return None
         self._used.append(file)
@@ -85,16 +84,12 @@ class FoldCheckpoints:
         over = reached.number == self._loads and file in self._used
         if self._fails or not (over or time.monotonic() >= self._kept_at + self._every_s):
             return
-        beside = self._beside
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
-            with beside.open("wb") as stream:
+            with replaced(file) as written, written.open("wb") as stream:
                 np.savez(stream, **_arrays(reached, self._key))
-            beside.replace(file)
         except OSError as error:
             self._fails = True
-            with suppress(OSError):
-                beside.unlink(missing_ok=True)
             text = f"{file.name} cannot be written ({error.strerror}): the fold is not kept."
             self._told(Finding("checkpoint-unusable", Severity.WARNING, text))
             return
@@ -117,10 +112,6 @@ class FoldCheckpoints:
     @property
     def _file(self) -> Path:
         return self._folder / f"{self._name}_checkpoint_{self._key[:12]}.npz"
-
-    @property
-    def _beside(self) -> Path:
-        return self._file.with_name(f".{self._file.name}.part")
 
 
 def _key(frame: Framework, path: FloatArray, loads: int, per_step: int) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hmac
 import json
-import tempfile
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -20,6 +19,7 @@ from fab.catalogue import shipped, shipped_picture
 from fab.errors import InvalidJob, did_you_mean
 from fab.files import shortened
 from fab.outputs import Made, write
+from fab.scratch import temporary_folder
 from fab.studio.dropped_files import MOST_DROPPED, kept_file
 from fab.studio.exports import Exports
 from fab.studio.job_text import MOST_BYTES
@@ -89,6 +89,11 @@ class Studio:
     painter: Worker = field(default_factory=Worker)
     maker: Worker = field(default_factory=Worker)
 
+    def stop(self) -> None:
+        """End what all of them are at; who waits is told that it was stopped."""
+        for worker in (self.worker, self.painter, self.maker):
+            worker.stop()
+
 
 class _Malformed(Exception):
     """A message that the page does not send."""
@@ -106,9 +111,9 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
-        with tempfile.TemporaryDirectory(prefix="quadfold-studio-") as folder:
-            pictures["folder"] = Path(folder)
-            exports[:] = [Exports(Path(folder) / "made")]
+        with temporary_folder() as folder:
+            pictures["folder"] = folder
+            exports[:] = [Exports(folder / "made")]
             try:
                 yield
             finally:

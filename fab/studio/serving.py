@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import secrets
+import signal
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from fab.errors import InvalidJob
 
@@ -44,7 +47,7 @@ def serve(
     tell: Callable[[str], None] = print,
     show: Callable[[str], object] | None = None,
 ) -> None:
-    """Serve the studio until it is interrupted.
+    """Serve the studio until it is interrupted, or its terminal is closed.
 
     folder : where it reads and writes; file : in it, to begin with. tell : takes lines about the
     address. show : opens an address in a browser.
@@ -67,5 +70,29 @@ def serve(
     config = uvicorn.Config(
         studio_app(studio, hosts), log_level="error", access_log=False, server_header=False
     )
-    with bound:
-        uvicorn.Server(config).run(sockets=[bound])
+
+    class Server(uvicorn.Server):
+        """One that waits for no work when it ends."""
+
+        def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+            super().handle_exit(sig, frame)
+            studio.stop()
+
+    server = Server(config)
+    with bound, _closed_terminal(server.handle_exit):
+        server.run(sockets=[bound])
+
+
+@contextmanager
+def _closed_terminal(end: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """What is done when the terminal is closed, which the server has no handler for."""
+    number = getattr(signal, "SIGHUP", None)
+    in_main = threading.current_thread() is threading.main_thread()
+    if number is None or not in_main or signal.getsignal(number) is signal.SIG_IGN:
+        yield
+        return
+    before = signal.signal(number, end)
+    try:
+        yield
+    finally:
+        signal.signal(number, before)

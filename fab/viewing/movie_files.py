@@ -5,14 +5,13 @@ from __future__ import annotations
 import io
 import shutil
 import subprocess
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fab.errors import InvalidJob
+from fab.scratch import temporary_folder
 
 __all__ = ["FRAME_MS", "encoder", "gif_bytes", "mp4_bytes", "there_and_back"]
 
@@ -99,8 +98,8 @@ def mp4_bytes(pictures: Sequence[Any], order: Sequence[int], times_ms: Sequence[
     width, height = (side // 2 * 2 for side in pictures[0].size)  # H.264 wants even sides
     raw = [picture.crop((0, 0, width, height)).tobytes() for picture in pictures]
     repeats = [max(1, round(time / FRAME_MS)) for time in times_ms]
-    with tempfile.TemporaryDirectory() as folder:
-        target = Path(folder) / "movie.mp4"
+    with temporary_folder() as folder:
+        target = folder / "movie.mp4"
         command = [
             *(program, "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"),
             *("-s", f"{width}x{height}", "-r", f"{1000 / FRAME_MS:g}", "-i", "-"),

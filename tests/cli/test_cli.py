@@ -307,6 +307,7 @@ def test_ctrl_c_leaves_no_partial_file(here, delay_s):
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )
     time.sleep(delay_s)
     process.send_signal(signal.SIGINT)

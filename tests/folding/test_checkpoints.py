@@ -164,12 +164,10 @@ def test_a_process_that_is_killed_goes_on_in_the_next_one(crane, tmp_path):
 
 
 def test_what_a_killed_run_was_writing_is_taken_away(miura, tmp_path):
-    frame = framework(miura)
-    fold(frame, STEPS, checkpoint=FoldCheckpoints(tmp_path, "x", every_s=0.0))
-    (file,) = tmp_path.iterdir()
-    file.unlink()
-    (tmp_path / f".{file.name}.part").write_bytes(b"half")
-    kept = FoldCheckpoints(tmp_path, "x")
-    fold(frame, STEPS, checkpoint=kept)
+    killed = tmp_path / ".quadfold-a1b2c3d4"
+    killed.mkdir()
+    (killed / "x_checkpoint.npz").write_bytes(b"half")
+    kept = FoldCheckpoints(tmp_path, "x", every_s=0.0)
+    fold(framework(miura), STEPS, checkpoint=kept)
     kept.remove()
     assert not list(tmp_path.iterdir())

@@ -14,7 +14,7 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
+import threading
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -25,6 +25,7 @@ import numpy as np
 
 from fab.errors import InvalidFile
 from fab.files import shown_path
+from fab.scratch import temporary_folder
 from solver.errors import InvalidState, InvalidValue, OrigamiError
 
 __all__ = ["Bounds", "in_own_process"]
@@ -60,13 +61,13 @@ def in_own_process(
     others, crashes, or needs more than its bounds. The process ends with this call, however it
     ends.
     """
-    with tempfile.TemporaryDirectory(prefix="quadfold-") as folder:
-        request, answer = Path(folder, "request.json"), Path(folder, "answer.npz")
+    with temporary_folder() as folder:
+        request, answer = folder / "request.json", folder / "answer.npz"
         limits = [math.ceil(bounds.seconds), math.ceil(bounds.memory_mb)]
         request.write_text(json.dumps({"arguments": dict(arguments), "limits": limits}))
         process = subprocess.Popen(
             [sys.executable, "-P", "-m", __name__, task, str(request), str(answer)],
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,  # which ends with this process, however that ends
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             env=_environment(),
@@ -79,6 +80,8 @@ def in_own_process(
             if process.poll() is None:
                 process.kill()
                 process.wait()
+            if process.stdin is not None:
+                process.stdin.close()
         if code == _OUT_OF_TIME:
             took = f"took over {bounds.seconds:.4g} seconds to read and was given up"
             raise InvalidFile(f"{shown_path(path)}: {took}. {_CURE}")
@@ -160,8 +163,16 @@ def _limit(seconds: int, megabytes: int) -> None:
             resource.setrlimit(limit, (value, most))
 
 
+def _end_with_parent() -> None:
+    """End this process when the one that waits for it ends, even where that was killed."""
+    with suppress(OSError):
+        os.read(0, 1)  # not of `sys.stdin`, whose lock an interpreter that ends would wait for
+    os._exit(1)
+
+
 def _work(task: str, request: Path, answer: Path) -> None:
     """What the process does: call the function and write its arrays, or why there are none."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     asked = json.loads(request.read_text())
     _limit(*asked["limits"])
     module, _, function = task.partition(":")
