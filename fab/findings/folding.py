@@ -111,6 +111,14 @@ FOLDING = (
         "Nothing; --no-contact shows the fold without it.",
     ),
     Explanation(
+        "contact-not-finished",
+        (WARNING,),
+        "The fold in contact takes too long, and is given up.",
+        "Many layers of a large sheet, such as the turns of a long ribbon, lie near each other: "
+        "what is shown is folded without contact.",
+        "Fold a smaller part of the sheet, or simulate with --no-contact.",
+    ),
+    Explanation(
         "contact-not-possible",
         (WARNING,),
         "The fold is simulated without contact.",

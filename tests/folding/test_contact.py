@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
+from fab.folding.contact import past_contact
 from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
 from fab.folding.contact.contact import Contact
-from fab.folding.contact.contact_fold import fold_in_contact
+from fab.folding.contact.contact_fold import REACH_LAST, fold_in_contact
 from fab.folding.contact.surface import surface_of
 from fab.folding.fold_settings import FoldSettings, Stiffness
 from fab.folding.quasi_static import fold
@@ -20,6 +21,7 @@ from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict import judge
 from fab.pattern.crease_pattern import CreasePattern
 from solver.self_intersection import crossing_faces
+from solver.vectors import norm
 
 SEEDS = st.integers(0, 2**31)
 
@@ -199,6 +201,15 @@ def square_roll(turns, pitch):
     return folded_strip(lengths, [90.0] * (len(lengths) - 1))
 
 
+def spiral(turns, pitch, panels=20):
+    """A ribbon that rolls up to a spiral, mm, of so many panels a turn."""
+    turned = np.linspace(0, 2 * np.pi * turns, panels * turns + 1)
+    ends = (6 + pitch * turned / (2 * np.pi)) * np.exp(1j * turned)
+    sides = np.diff(ends)
+    angles = np.degrees(np.angle(sides[1:] / sides[:-1]))
+    return folded_strip(np.abs(sides), angles, width=3.0)
+
+
 def test_a_strip_rolls_up_where_its_turns_have_room():
     frame = framework(square_roll(turns=3, pitch=2.0))
     through = fold(frame)
@@ -231,16 +242,81 @@ def test_pleats_close_to_the_height_of_their_stack():
     assert_nothing_crosses(folding)
 
 
-@pytest.mark.parametrize(("thickness_mm", "off_deg"), [(0.0, 0.1), (0.3, 6.0)])
-def test_a_miura_closes_to_its_stack(thickness_mm, off_deg):
-    frame = framework(flat_miura(4, 3))
-    folding = fold_in_contact(frame, thickness_mm=thickness_mm)
+def test_a_miura_without_thickness_closes():
+    folding = fold_in_contact(framework(flat_miura(4, 3)))
     verdict = judge(folding)
     assert verdict.reached
-    assert verdict.angle_error_max_deg < off_deg
+    assert verdict.angle_error_max_deg < 0.1
     assert_nothing_crosses(folding)
-    contact = Contact(surface_of(frame, thickness_mm), 1e-3, 1.0)
+    contact = Contact(surface_of(folding.frame), 1e-3, 1.0)
     assert len(contact.touching(folding.states[-1].coords).room) > 0
+
+
+def closed_miura(side, acute_deg, thickness):
+    """Openings of its zigzag and straight creases, radians, and its height by row.
+
+    Its one degree of freedom ties the openings z and s by tan(s / 2) = tan(z / 2) / cos(acute).
+    Across a zigzag crease, the far corner of a face is side sin(acute) sin(z) above the next face,
+    if its foot lies on it, which is so up to 2 cos(acute) = 1; across a straight crease it is
+    side sin(acute) sin(s), which is less where its foot does not. At the thickness it is closed.
+    """
+    acute = np.radians(acute_deg)
+    opening = np.arcsin(thickness / side / np.sin(acute))
+    if 2 * np.cos(acute) <= 1 + 1e-12:
+        zigzag = opening
+        straight = 2 * np.arctan(np.tan(zigzag / 2) / np.cos(acute))
+    else:
+        straight = opening
+        zigzag = 2 * np.arctan(np.tan(straight / 2) * np.cos(acute))
+    return zigzag, straight, miura_steps(side, acute, zigzag)[0]
+
+
+def miura_steps(side, acute, zigzag):
+    """Along its rows and across them, of the sides (Schenk and Guest 2013)."""
+    lean = np.sin(zigzag / 2) * np.tan(acute)
+    row, across = side * np.array([lean, 1.0]) / np.hypot(1.0, lean)
+    rise = side * np.cos(zigzag / 2) * np.sin(acute)
+    return row, across, np.sqrt(side**2 - rise**2), rise
+
+
+@pytest.mark.parametrize("acute_deg", [50.0, 60.0, 70.0])
+@pytest.mark.parametrize("thickness", [0.3, 1.5])
+def test_a_closed_miura_is_where_its_faces_come_within_its_thickness(acute_deg, thickness):
+    frame = framework(flat_miura(4, 4, acute_deg=acute_deg))
+    zigzag, _, _ = closed_miura(20.0, acute_deg, thickness)
+    i, j = (each.ravel() for each in np.meshgrid(np.arange(5), np.arange(5)))
+    vertices, triangles = np.indices((25, len(frame.triangles_vertices))).reshape(2, -1)
+    corners = frame.triangles_vertices[triangles]
+    members = np.column_stack([vertices, corners])[(corners != vertices[:, None]).all(axis=1)]
+    nearest = []
+    for opening in (zigzag, 1.01 * zigzag):
+        row, across, column, rise = miura_steps(20.0, np.radians(acute_deg), opening)
+        points = np.column_stack([j * row, i * column + j % 2 * across, i % 2 * rise])
+        stretched = frame.strains(points / frame.size_mm)
+        assert np.abs(stretched).max() < 1e-12
+        pairs = points[members]
+        nearest.append(separations(pairs, triangle_weights(pairs))[0].min())
+    assert nearest[0] == pytest.approx(thickness, rel=1e-9)
+    assert nearest[1] > thickness
+
+
+@pytest.mark.parametrize("acute_deg", [50.0, 60.0, 70.0])
+@pytest.mark.parametrize("thickness", [0.3, 1.5])
+def test_a_miura_closes_to_the_height_of_its_stack(acute_deg, thickness):
+    # stiff, so that neither bars nor faces give way to what closes the creases
+    frame = framework(flat_miura(4, 4, acute_deg=acute_deg), Stiffness(axial=2e4, facet=1e3))
+    folding = fold_in_contact(frame, thickness_mm=thickness)
+    assert judge(folding).reached
+    assert_nothing_crosses(folding)
+    points = folding.states[-1].coords * frame.size_mm
+    # rows after next are parallel: two of them are twice the height of one apart
+    heights = norm(points[10:] - points[:-10]) / 2
+    least, most = (
+        closed_miura(20.0, acute_deg, thickness + room * frame.size_mm)[2]
+        for room in (0.0, REACH_LAST)
+    )
+    assert heights.min() > least * (1 - 1e-4)
+    assert heights.max() < most * (1 + 1e-4)
 
 
 def test_a_base_that_crosses_today_folds_in_contact():
@@ -273,6 +349,40 @@ def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
     _, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=False))
     assert verdict.stopped is None
     assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_flaps_that_are_in_each_others_way_fold_one_after_the_other():
+    # the long flap lies under the short one, which is before it where both fold at one rate
+    pattern = folded_strip([34.0, 40.0, 20.0], [178.0, 160.0])
+    together = fold_in_contact(framework(pattern))
+    assert not judge(together).reached
+    assert together.stopped is not None
+    assert together.stopped.faces == (0, 2)
+    folding, verdict, findings = fold_and_judge(pattern, FoldSettings())
+    assert verdict.reached
+    assert verdict.stopped is None
+    assert folding.in_turn
+    assert_nothing_crosses(folding)
+    noted = next(each for each in findings if each.code == "folded-in-contact")
+    assert "in turn" in noted.text
+    assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_a_fold_in_contact_that_takes_too_long_is_given_up(monkeypatch):
+    monkeypatch.setattr(past_contact, "_LIMIT_S", 0.0)
+    shown, verdict, findings = fold_and_judge(square_roll(3, 2.0), FoldSettings(contact=True))
+    told = next(each for each in findings if each.code == "contact-not-finished")
+    assert "given up" in told.text
+    assert verdict.reached
+    assert verdict.stopped is None
+    assert any(len(crossings(shown.frame, state.coords)) for state in shown.states)
+
+
+def test_a_ribbon_of_many_turns_rolls_up():
+    frame = framework(spiral(turns=4, pitch=0.6))
+    rolled = fold_in_contact(frame)
+    assert judge(rolled).reached
+    assert_nothing_crosses(rolled)
 
 
 def test_the_same_fold_has_the_same_bits():

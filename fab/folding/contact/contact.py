@@ -162,9 +162,15 @@ class Contact:
             few = len(seen[0].pairs.members) < _FEW * len(start)
             if few or seen[0].span < _LOOSE * (span + self.reach):
                 return seen[0].pairs
-        margin = self.reach + _MARGIN * np.abs(end - start) + _SIDES * self.surface.side
-        low, high = np.minimum(start, end) - margin, np.maximum(start, end) + margin
-        seen[:] = [near_pairs(self.surface, low, high, self.surface.gap + self.reach)]
+        most = _SIDES * self.surface.side
+        margin = most
+        if seen:  # many layers on each other meet fewer others in smaller boxes
+            many = len(seen[0].pairs.members) > _FEW * len(start)
+            margin = seen[0].margin / 4 if many else min(2 * seen[0].margin, most)
+        wider = self.reach + _MARGIN * np.abs(end - start)
+        low, high = np.minimum(start, end) - wider, np.maximum(start, end) + wider
+        reach = self.surface.gap + self.reach
+        seen[:] = [near_pairs(self.surface, low, high, reach, margin)]
         return seen[0].pairs
 
 

@@ -31,7 +31,7 @@ from fab.folding.quasi_static import (
     state_of,
     straight_path,
 )
-from fab.folding.rest import SETTLED, Rest, relaxed, unwatched, watched
+from fab.folding.rest import SETTLED, Rest, relaxed, watched
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
@@ -43,6 +43,9 @@ __all__ = ["REACH_LAST", "fold_in_contact"]
 
 # Reach of the barrier on the way, and one after another at the full load.
 _REACH = 1e-3
+# On the way it is no more than this share of the mean side of a triangle, so that the layers of a
+# long ribbon have room.
+_REACH_OF_SIDE = 0.02
 REACH_LAST = 1e-5
 _REACHES_LAST = (1e-4, REACH_LAST)
 # Most steps at each load: a sheet that needs more is jammed.
@@ -56,8 +59,9 @@ _JAMMED_RAD = np.radians(90.0)
 # Creases that are held farther off than this at the full load are not waiting for thinner layers.
 _NEARLY_RAD = np.radians(15.0)
 # A predicted turn is taken in parts, as far as nothing is in the way, in each of which no vertex
-# moves farther than this, relative to the size of the sheet; in up to so many.
-_FAR, _MOST_PARTS = 0.1, 24
+# moves farther than this, relative to the size of the sheet; in up to so many. Vertices move along
+# straight lines in each, so that a part in which something is in the way is tried in smaller ones.
+_FAR, _MOST_PARTS, _FINEST = 0.1, 24, 8
 # Halvings of the load at which faces first press.
 _HALVINGS = 5
 # Most steps without contact at each of these; a sheet that is about to snap takes many.
@@ -118,7 +122,8 @@ def fold_in_contact(
     allowed = np.radians(Tolerance(layers_rel=course.room).crease_deg)
     if pressing is None or course.lag(state) <= allowed:
         return folding
-    return replace(folding, stopped=course.stop(*pressing))
+    watch = partial(watched, progress, loads, loads)
+    return replace(folding, stopped=course.stop(*pressing, watch))
 
 
 class _Course:
@@ -139,7 +144,8 @@ class _Course:
         self._surface, self._others = surface, potentials
         # as stiff as creases are: half a reach resists about a radian
         self._force = float(each.mean()) if len(each) else 1.0
-        self._contact = Contact(surface, _REACH, self._force)
+        reach = min(_REACH, _REACH_OF_SIDE * surface.side)
+        self._contact = Contact(surface, reach, self._force)
         self._predictor: RotationPredictor = rotation_predictor(frame)
         self._system = NewtonSystem(frame)
 
@@ -155,7 +161,7 @@ class _Course:
         target, rate = path_at(self._path, share)
         angles = self._frame.angles_near(before, target - part * rate)
         acting = [*self._others, self._contact]
-        start = self._predicted(before, angles, part * rate, target)
+        start = self._predicted(before, angles, part * rate, target, watch)
         rest = self._relaxed(start, target, self._contact, watch)
         if share < 1 or not rest.settled:
             return rest
@@ -167,6 +173,8 @@ class _Course:
         if np.abs(self._off(rest.coords, target)).max(initial=0.0) > _NEARLY_RAD:
             return rest
         for reach in _REACHES_LAST:
+            if reach >= self._contact.reach:
+                continue
             nearer = Contact(self._surface, reach, self._force)
             last = self._relaxed(rest.coords, target, nearer, watch, _MOST_NEARER, _NEARER)
             # the sheet is at rest: its layers may go on to come nearer
@@ -195,19 +203,28 @@ class _Course:
         )
 
     def _predicted(
-        self, before: FloatArray, angles: FloatArray, turn: FloatArray, target: FloatArray
+        self,
+        before: FloatArray,
+        angles: FloatArray,
+        turn: FloatArray,
+        target: FloatArray,
+        watch: Callable[[int], None],
     ) -> FloatArray:
         """The sheet with as much of a turn as nothing is in the way of, if that helps."""
         acting = [*self._others, self._contact]
         there = before
         far = aligned(self._predictor.coords(angles + turn), before) - before
         moved = float(np.abs(far).max(initial=0.0))
-        parts = int(np.clip(np.ceil(moved / _FAR), 2, _MOST_PARTS))
-        for number in range(1, parts + 1):
-            turned = aligned(self._predictor.coords(angles + number / parts * turn), there)
+        longest = 1 / np.clip(np.ceil(moved / _FAR), 2, _MOST_PARTS)
+        done, part = 0.0, longest
+        while done < 1 and part >= longest / _FINEST:
+            watch(0)
+            share = min(done + part, 1.0)
+            turned = aligned(self._predictor.coords(angles + share * turn), there)
             if free_share(acting, there, turned - there) < 1:
-                break
-            there = turned
+                part /= 2
+            else:
+                there, done, part = turned, share, min(2 * part, longest)
         energies = [energy_of(self._frame, x, target, acting).total for x in (there, before)]
         return there if energies[0] < energies[1] else before
 
@@ -232,21 +249,25 @@ class _Course:
     def _off(self, coords: FloatArray, target: FloatArray) -> FloatArray:
         return (self._frame.angles_near(coords, target) - target)[self._driven]
 
-    def stop(self, number: int, before: FloatArray, pressed: FloatArray) -> Stop | None:
+    def stop(
+        self, number: int, before: FloatArray, pressed: FloatArray, watch: Callable[[int], None]
+    ) -> Stop | None:
         """Where faces began to press on each other, from `before` to `pressed`, a load later."""
         low, high = (number - 1) / self._loads, number / self._loads
         for _ in range(_HALVINGS):
             share = (low + high) / 2
-            alone = self._alone(before, share, share - low)
+            alone = self._alone(before, share, share - low, watch)
             if alone is None:
                 high = share
             else:
                 low, before = share, alone
-        found = aligned(self.rest(before, high, high - low, unwatched).coords, before)
+        found = aligned(self.rest(before, high, high - low, watch).coords, before)
         stop = stop_at(self._frame, self._contact, found, high)
         return stop or stop_at(self._frame, self._contact, pressed, number / self._loads)
 
-    def _alone(self, before: FloatArray, share: float, part: float) -> FloatArray | None:
+    def _alone(
+        self, before: FloatArray, share: float, part: float, watch: Callable[[int], None]
+    ) -> FloatArray | None:
         """The sheet at rest at a share without contact; None where faces press before it."""
         target, rate = path_at(self._path, share)
         angles = self._frame.angles_near(before, target - part * rate)
@@ -263,6 +284,7 @@ class _Course:
                 False,
                 [*self._others, _Stopped(self._contact)],
                 system=self._system,
+                watch=watch,
                 most=_MOST_ALONE,
             )
         except _PressedError:

@@ -25,11 +25,13 @@ class NearPairs:
     ----------
     pairs : all that come within the reach for which they were found.
     low, high : shape (nv, 3), the box of every vertex.
+    margin : by which the boxes are larger than was needed when they were made.
     """
 
     pairs: Pairs
     low: FloatArray
     high: FloatArray
+    margin: float
 
     @cached_property
     def span(self) -> float:
@@ -41,13 +43,18 @@ class NearPairs:
         return bool((coords >= self.low).all() and (coords <= self.high).all())
 
 
-def near_pairs(surface: Surface, low: FloatArray, high: FloatArray, reach: float) -> NearPairs:
+def near_pairs(
+    surface: Surface, low: FloatArray, high: FloatArray, reach: float, margin: float
+) -> NearPairs:
     """The pairs that come within `reach` of each other while the vertices are in their boxes.
+
+    low, high : shape (nv, 3), the boxes, which `margin` enlarges.
 
     Cost: O(n log n) for a sheet that is spread out, more where many layers lie on one another.
     """
     import shapely  # not needed where nothing touches
 
+    low, high = low - margin, high + margin
     middle = (low + high) / 2
     middle = middle - middle.mean(axis=0)
     across = int(np.argmin((middle**2).sum(axis=0)))  # boxes are sorted by the other two
@@ -79,4 +86,5 @@ def near_pairs(surface: Surface, low: FloatArray, high: FloatArray, reach: float
     # whatever order the tree gives them in
     sides = np.lexsort((triangles, vertices))
     edges = edges[np.lexsort((edges[:, 1], edges[:, 0]))]
-    return NearPairs(surface.pairs(vertices[sides], triangles[sides], edges), low, high)
+    pairs = surface.pairs(vertices[sides], triangles[sides], edges, reach - surface.gap)
+    return NearPairs(pairs, low, high, margin)

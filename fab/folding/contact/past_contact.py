@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -17,13 +19,15 @@ from fab.folding.quasi_static import Folding
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import Verdict, judge
 from fab.pattern.overlap import overlapping_faces
-from fab.progress import Progress
+from fab.progress import Progress, Steps
 from solver.vectors import IntArray
 
 __all__ = ["flat_overlaps", "fold_past_contact"]
 
 # Sheets of more hinges are folded in contact all at once, in no other order.
 _MOST_HINGES = 300
+# Seconds after which folds in contact are given up.
+_LIMIT_S = 90.0
 
 
 def fold_past_contact(
@@ -39,6 +43,9 @@ def fold_past_contact(
     contact reaches its target. Where none does, that of all creases at once is given with
     `settings.contact`; else that without contact, with the stop of the other.
 
+    A fold that is not done within 90 seconds, such as that of a long ribbon in many layers, is
+    given up, and a finding says how far it came; so are further orders.
+
     Parameters
     ----------
     free, verdict : the fold without contact and its verdict.
@@ -48,19 +55,24 @@ def fold_past_contact(
     over = flat_overlaps(frame)
     if len(over):
         return free, verdict, [_not_possible(over)]
+    limit = _Limit(progress)
     runs = partial(
-        fold_in_contact, frame, settings.steps, settings.thickness_mm, partial(progress, "contact")
+        fold_in_contact, frame, settings.steps, settings.thickness_mm, limit.watch("contact")
     )
-    first = made = runs()
+    try:
+        first = made = runs()
+    except _OutOfTimeError:
+        return free, verdict, [_not_finished(limit.share)]
     judged = judge(made, tolerance)
     tried, iterations = 1, free.iterations + made.iterations
     if verdict.reached and not judged.reached and len(frame.hinges_edge) <= _MOST_HINGES:
-        for path in fold_orders(frame, partial(progress, "order")):
-            made = runs(path)
-            tried, iterations = tried + 1, iterations + made.iterations
-            judged = judge(made, tolerance)
-            if judged.reached:
-                break
+        with suppress(_OutOfTimeError):
+            for path in fold_orders(frame, limit.watch("order")):
+                made = runs(path)
+                tried, iterations = tried + 1, iterations + made.iterations
+                judged = judge(made, tolerance)
+                if judged.reached:
+                    break
     if judged.reached:
         crossed = any(point.crossings for point in verdict.path)
         held = [_in_contact(tried)] if crossed else []
@@ -71,6 +83,29 @@ def fold_past_contact(
         made = replace(first, stopped=stop)
         return made, replace(judge(made, tolerance), iterations=iterations), findings
     return free, replace(verdict, stopped=stop, iterations=iterations), findings
+
+
+class _OutOfTimeError(Exception):
+    """The folds took too long."""
+
+
+class _Limit:
+    """The time that is left for folds in contact, and the share that the last one came to."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress, self._end = progress, time.monotonic() + _LIMIT_S
+        self.share = 0.0
+
+    def watch(self, stage: str) -> Steps:
+        """Progress of a stage; raises `_OutOfTimeError` where no time is left."""
+
+        def report(done: float, total: int) -> None:
+            self.share = done / total
+            self._progress(stage, done, total)
+            if time.monotonic() > self._end:
+                raise _OutOfTimeError
+
+        return report
 
 
 def flat_overlaps(frame: Framework) -> IntArray:
@@ -89,6 +124,15 @@ def _not_possible(pairs: IntArray) -> Finding:
         "the other, so that the fold is simulated without contact. Cut the sheet into pieces."
     )
     return Finding("contact-not-possible", Severity.WARNING, text, panels=(first, second))
+
+
+def _not_finished(share: float) -> Finding:
+    text = (
+        f"in contact the sheet was folded up to {share:.0%} of the fold within {_LIMIT_S:g} s, and "
+        "given up: whether its faces keep it from its target is not known. What is shown is folded "
+        "without contact; a smaller part of the sheet takes less time."
+    )
+    return Finding("contact-not-finished", Severity.WARNING, text)
 
 
 def _in_contact(tried: int) -> Finding:

@@ -19,7 +19,7 @@ from scipy.sparse import coo_array
 
 from fab.folding.bar_hinge_model import Framework
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
-from solver.vectors import BoolArray, FloatArray, IntArray, norm
+from solver.vectors import BoolArray, FloatArray, IntArray, dot, norm
 
 __all__ = ["Pairs", "Surface", "surface_of", "weights_of"]
 
@@ -58,10 +58,13 @@ class Surface:
         ends = self.flat[self.edges]
         return float(norm(ends[:, 1] - ends[:, 0]).mean())
 
-    def pairs(self, vertices: IntArray, triangles: IntArray, edges: IntArray) -> Pairs:
+    def pairs(
+        self, vertices: IntArray, triangles: IntArray, edges: IntArray, reach: float
+    ) -> Pairs:
         """Those of vertices and triangles, shape (n,) both, and of edges, shape (m, 2).
 
-        Without those that have a vertex in common, or touch when flat.
+        Without those that have a vertex in common, or touch when flat. reach : the farthest of any
+        barrier.
         """
         corners = self.triangles[triangles]
         apart = (corners != vertices[:, None]).all(axis=1)
@@ -72,7 +75,7 @@ class Surface:
         apart = (ends[:, 0, :, None] != ends[:, 1, None, :]).all(axis=(1, 2))
         second = ends[apart].reshape(-1, 4)
         crossed = count + len(self.triangles) + edges[apart]
-        return self._kept(first, second, np.concatenate([faced, crossed]))
+        return self._kept(first, second, np.concatenate([faced, crossed]), reach)
 
     def boxes(self, low: FloatArray, high: FloatArray) -> FloatArray:
         """Boxes of all parts while vertices stay in theirs, (nv, 3) each; shape (2, 3, n)."""
@@ -84,16 +87,29 @@ class Surface:
             ]
         )
 
-    def _kept(self, first: IntArray, second: IntArray, parts: IntArray) -> Pairs:
-        members = np.concatenate([first, second])
-        points = self.flat[members]
-        flat, _ = separations(points, weights_of(points, len(first)))
+    def _kept(self, first: IntArray, second: IntArray, parts: IntArray, reach: float) -> Pairs:
+        """Pairs, with the gaps and limits of those that are not far from each other when flat."""
+        members, faced = np.concatenate([first, second]), len(first)
+        middles, radii = self._spheres
+        arm = middles[parts[:, 0]] - middles[parts[:, 1]]
+        flat = np.sqrt(dot(arm, arm)) - radii[parts].sum(axis=1)
+        close = np.flatnonzero(flat < max(self.gap / _KEPT, self.gap + reach / _REACHED))
+        points = self.flat[members[close]]
+        weights = weights_of(points, int(np.searchsorted(close, faced)))
+        flat[close], _ = separations(points, weights)
         far = flat > _TOUCHING
         gap = np.minimum(self.gap, _KEPT * flat)
-        gap[len(first) :][self._are_joined(second)] = 0.0
+        gap[faced:][self._are_joined(second)] = 0.0
         gap = gap[far]
         limit = _REACHED * (flat[far] - gap)
-        return Pairs(members[far], int(far[: len(first)].sum()), parts[far], gap, limit)
+        return Pairs(members[far], int(far[:faced].sum()), parts[far], gap, limit)
+
+    @cached_property
+    def _spheres(self) -> tuple[FloatArray, FloatArray]:
+        """Centres and radii of spheres around all parts of the flat sheet."""
+        boxes = self.boxes(self.flat, self.flat)
+        sides = boxes[1] - boxes[0]
+        return boxes.mean(axis=0).T, np.sqrt((sides * sides).sum(axis=0)) / 2
 
     def _are_joined(self, edges: IntArray) -> BoolArray:
         """Whether one of their ends each is of one face, shape (n,); edges : shape (n, 4)."""
