@@ -369,7 +369,7 @@ def test_flaps_that_are_in_each_others_way_fold_one_after_the_other():
 
 
 def test_a_fold_in_contact_that_takes_too_long_is_given_up(monkeypatch):
-    monkeypatch.setattr(past_contact, "_LIMIT_S", 0.0)
+    monkeypatch.setattr(past_contact, "_MOST_PAIRS", 0.0)
     shown, verdict, findings = fold_and_judge(square_roll(3, 2.0), FoldSettings(contact=True))
     told = next(each for each in findings if each.code == "contact-not-finished")
     assert "given up" in told.text

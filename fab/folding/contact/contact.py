@@ -18,6 +18,7 @@ from fab.folding.contact.closest_points import separations
 from fab.folding.contact.free_share import free_share
 from fab.folding.contact.near_pairs import NearPairs, near_pairs
 from fab.folding.contact.surface import Pairs, Surface, weights_of
+from fab.folding.contact.work import Work
 from solver.assembly import Blocks
 from solver.vectors import FloatArray, cross, dot, scattered
 
@@ -79,11 +80,13 @@ class Contact:
     surface : what may touch.
     reach : of the barrier beyond the gap, relative to the size of the sheet.
     force : stiffness of the barrier, in those of hinges (energy over length).
+    work : what looking at pairs is counted in.
     """
 
     surface: Surface
     reach: float
     force: float
+    work: Work = field(default_factory=Work, repr=False, compare=False)
     _seen: _Seen = field(default_factory=_Seen, repr=False, compare=False)
 
     def energy(self, coords: FloatArray) -> float:
@@ -119,9 +122,9 @@ class Contact:
         for number in range(parts):
             # long steps part by part: the boxes of all at once would meet too many others
             start = coords + number / parts * step
-            share = free_share(
-                self.surface, start, step / parts, self._near(start, start + step / parts)
-            )
+            pairs = self._near(start, start + step / parts)
+            self.work.spend(len(pairs.members))
+            share = free_share(self.surface, start, step / parts, pairs)
             if share < 1:
                 return (number + share) / parts
         return 1.0
@@ -132,6 +135,7 @@ class Contact:
         if last and last[0][0] is coords:
             return last[0][1]
         pairs = self._near(coords, coords)
+        self.work.spend(len(pairs.members))
         reach = np.minimum(self.reach, pairs.limit)
         close = pairs.meeting(self.surface.boxes(coords, coords), reach)
         found = self._touching(coords, pairs.chosen(close), reach[close])

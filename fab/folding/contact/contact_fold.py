@@ -19,6 +19,7 @@ from fab.folding.bar_hinge_model import Framework
 from fab.folding.contact.contact import Contact
 from fab.folding.contact.stops import Stop, stop_at
 from fab.folding.contact.surface import Surface, surface_of
+from fab.folding.contact.work import Work
 from fab.folding.newton_system import NewtonSystem
 from fab.folding.potentials import Potential, energy_of, free_share
 from fab.folding.quasi_static import (
@@ -62,6 +63,8 @@ _NEARLY_RAD = np.radians(15.0)
 # moves farther than this, relative to the size of the sheet; in up to so many. Vertices move along
 # straight lines in each, so that a part in which something is in the way is tried in smaller ones.
 _FAR, _MOST_PARTS, _FINEST = 0.1, 24, 8
+# A system takes as long as looking at so many pairs for each hinge.
+_PAIRS_PER_HINGE = 30
 # Halvings of the load at which faces first press.
 _HALVINGS = 5
 # Most steps without contact at each of these; a sheet that is about to snap takes many.
@@ -75,6 +78,7 @@ def fold_in_contact(
     progress: Steps = no_steps,
     path: FloatArray | None = None,
     potentials: Sequence[Potential] = (),
+    work: Work | None = None,
 ) -> Folding:
     """Fold a framework from flat to its targets, no faces passing through each other.
 
@@ -85,22 +89,25 @@ def fold_in_contact(
     ----------
     steps, progress, path, potentials : as for `fab.folding.quasi_static.fold`.
     thickness_mm : how far the middles of two layers are apart where they touch.
+    work : what it may take; without bound where left out.
 
-    Raises `InvalidValue` for less than one step. The flat sheet must not overlap itself.
+    Raises `InvalidValue` for less than one step, and `OutOfWorkError` where it takes more. The flat
+    sheet must not overlap itself.
     """
     require_count("steps", steps, 1, "Follow the fold in one step or more.")
     in_turn = path is not None
     path = straight_path(frame) if path is None else path
     per_step = loads_per_step(path, steps)
     loads = per_step * steps
-    course = _Course(frame, surface_of(frame, thickness_mm), path, loads, tuple(potentials))
+    surface = surface_of(frame, thickness_mm)
+    course = _Course(frame, surface, path, loads, tuple(potentials), work or Work())
     state = flat_state(frame, potentials)
     states = [state]
     solved, rested, peak = 0, True, 0.0
     pressing: tuple[int, FloatArray, FloatArray] | None = None
     for number in range(1, loads + 1):
         before = state.coords
-        watch = partial(watched, progress, number - 1, loads)
+        watch = course.counted(partial(watched, progress, number - 1, loads))
         rest = course.rest(before, number / loads, 1 / loads, watch)
         solved, rested = solved + rest.iterations, rested and rest.settled
         state = course.state(rest, before, number / loads, solved, rested)
@@ -122,7 +129,7 @@ def fold_in_contact(
     allowed = np.radians(Tolerance(layers_rel=course.room).crease_deg)
     if pressing is None or course.lag(state) <= allowed:
         return folding
-    watch = partial(watched, progress, loads, loads)
+    watch = course.counted(partial(watched, progress, loads, loads))
     return replace(folding, stopped=course.stop(*pressing, watch))
 
 
@@ -136,6 +143,7 @@ class _Course:
         path: FloatArray,
         loads: int,
         potentials: tuple[Potential, ...],
+        work: Work,
     ) -> None:
         driven = frame.hinges_stiffness > 0
         each = frame.hinges_stiffness[driven] / frame.hinges_length[driven]
@@ -145,7 +153,8 @@ class _Course:
         # as stiff as creases are: half a reach resists about a radian
         self._force = float(each.mean()) if len(each) else 1.0
         reach = min(_REACH, _REACH_OF_SIDE * surface.side)
-        self._contact = Contact(surface, reach, self._force)
+        self._work = work
+        self._contact = Contact(surface, reach, self._force, work)
         self._predictor: RotationPredictor = rotation_predictor(frame)
         self._system = NewtonSystem(frame)
 
@@ -153,6 +162,15 @@ class _Course:
     def room(self) -> float:
         """How far layers are apart at the full load, relative to the size of the sheet."""
         return self._surface.gap + REACH_LAST
+
+    def counted(self, watch: Callable[[int], None]) -> Callable[[int], None]:
+        """What is called before each system, whose work is counted then."""
+
+        def count(solved: int) -> None:
+            self._work.spend(_PAIRS_PER_HINGE * len(self._frame.hinges_edge))
+            watch(solved)
+
+        return count
 
     def rest(
         self, before: FloatArray, share: float, part: float, watch: Callable[[int], None]
@@ -175,7 +193,7 @@ class _Course:
         for reach in _REACHES_LAST:
             if reach >= self._contact.reach:
                 continue
-            nearer = Contact(self._surface, reach, self._force)
+            nearer = Contact(self._surface, reach, self._force, self._work)
             last = self._relaxed(rest.coords, target, nearer, watch, _MOST_NEARER, _NEARER)
             # the sheet is at rest: its layers may go on to come nearer
             rest = _joined(rest, replace(last, settled=True))

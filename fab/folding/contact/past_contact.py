@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -14,6 +13,7 @@ from fab.folding.bar_hinge_model import Framework
 from fab.folding.contact.contact_fold import fold_in_contact
 from fab.folding.contact.fold_orders import fold_orders
 from fab.folding.contact.stops import Stop
+from fab.folding.contact.work import OutOfWorkError, Work
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.quasi_static import Folding
 from fab.folding.tolerance import Tolerance
@@ -26,8 +26,8 @@ __all__ = ["flat_overlaps", "fold_past_contact"]
 
 # Sheets of more hinges are folded in contact all at once, in no other order.
 _MOST_HINGES = 300
-# Seconds after which folds in contact are given up.
-_LIMIT_S = 90.0
+# Pairs of parts that folds in contact may look at: a minute or two, the same on all machines.
+_MOST_PAIRS = 1.5e8
 
 
 def fold_past_contact(
@@ -43,8 +43,8 @@ def fold_past_contact(
     contact reaches its target. Where none does, that of all creases at once is given with
     `settings.contact`; else that without contact, with the stop of the other.
 
-    A fold that is not done within 90 seconds, such as that of a long ribbon in many layers, is
-    given up, and a finding says how far it came; so are further orders.
+    A fold that takes too much work, such as that of a long ribbon in many layers, is given up, and
+    a finding says how far it came; so are further orders.
 
     Parameters
     ----------
@@ -55,20 +55,18 @@ def fold_past_contact(
     over = flat_overlaps(frame)
     if len(over):
         return free, verdict, [_not_possible(over)]
-    limit = _Limit(progress)
-    runs = partial(
-        fold_in_contact, frame, settings.steps, settings.thickness_mm, limit.watch("contact")
-    )
+    work, share = Work(_MOST_PAIRS), _Share(progress)
+    runs = partial(fold_in_contact, frame, settings.steps, settings.thickness_mm, work=work)
     try:
-        first = made = runs()
-    except _OutOfTimeError:
-        return free, verdict, [_not_finished(limit.share)]
+        first = made = runs(share.of("contact"))
+    except OutOfWorkError:
+        return free, verdict, [_not_finished(share.done)]
     judged = judge(made, tolerance)
     tried, iterations = 1, free.iterations + made.iterations
     if verdict.reached and not judged.reached and len(frame.hinges_edge) <= _MOST_HINGES:
-        with suppress(_OutOfTimeError):
-            for path in fold_orders(frame, limit.watch("order")):
-                made = runs(path)
+        with suppress(OutOfWorkError):
+            for path in fold_orders(frame, partial(progress, "order")):
+                made = runs(share.of("contact"), path)
                 tried, iterations = tried + 1, iterations + made.iterations
                 judged = judge(made, tolerance)
                 if judged.reached:
@@ -85,25 +83,18 @@ def fold_past_contact(
     return free, replace(verdict, stopped=stop, iterations=iterations), findings
 
 
-class _OutOfTimeError(Exception):
-    """The folds took too long."""
-
-
-class _Limit:
-    """The time that is left for folds in contact, and the share that the last one came to."""
+class _Share:
+    """Progress of folds in contact, and the share that the last one came to."""
 
     def __init__(self, progress: Progress) -> None:
-        self._progress, self._end = progress, time.monotonic() + _LIMIT_S
-        self.share = 0.0
+        self._progress, self.done = progress, 0.0
 
-    def watch(self, stage: str) -> Steps:
-        """Progress of a stage; raises `_OutOfTimeError` where no time is left."""
+    def of(self, stage: str) -> Steps:
+        """Progress of a stage."""
 
         def report(done: float, total: int) -> None:
-            self.share = done / total
+            self.done = done / total
             self._progress(stage, done, total)
-            if time.monotonic() > self._end:
-                raise _OutOfTimeError
 
         return report
 
@@ -128,9 +119,10 @@ def _not_possible(pairs: IntArray) -> Finding:
 
 def _not_finished(share: float) -> Finding:
     text = (
-        f"in contact the sheet was folded up to {share:.0%} of the fold within {_LIMIT_S:g} s, and "
-        "given up: whether its faces keep it from its target is not known. What is shown is folded "
-        "without contact; a smaller part of the sheet takes less time."
+        f"in contact the sheet was folded up to {share:.0%} of the fold, and given up after looking "
+        f"at {_MOST_PAIRS / 1e6:g} million pairs of its parts: whether its faces keep it from its "
+        "target is not known. What is shown is folded without contact; a smaller part of the sheet "
+        "takes less."
     )
     return Finding("contact-not-finished", Severity.WARNING, text)
 
