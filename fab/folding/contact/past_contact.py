@@ -119,7 +119,7 @@ def _not_possible(pairs: IntArray) -> Finding:
 
 def _not_finished(share: float) -> Finding:
     text = (
-        f"in contact the sheet was folded up to {share:.0%} of the fold, and given up after looking "
+        f"in contact the sheet was folded to {share:.0%} of the fold, then given up after looking "
         f"at {_MOST_PAIRS / 1e6:g} million pairs of its parts: whether its faces keep it from its "
         "target is not known. What is shown is folded without contact; a smaller part of the sheet "
         "takes less."
