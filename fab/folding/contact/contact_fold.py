@@ -10,7 +10,7 @@ from going on.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -36,7 +36,6 @@ from fab.folding.rest import SETTLED, Rest, relaxed, watched
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
-from solver.assembly import Blocks
 from solver.errors import require_count
 from solver.vectors import FloatArray
 
@@ -234,8 +233,9 @@ class _Course:
         far = aligned(self._predictor.coords(angles + turn), before) - before
         moved = float(np.abs(far).max(initial=0.0))
         longest = 1 / np.clip(np.ceil(moved / _FAR), 2, _MOST_PARTS)
+        finest = longest if self.presses(before) else longest / _FINEST
         done, part = 0.0, longest
-        while done < 1 and part >= longest / _FINEST:
+        while done < 1 and part >= finest:
             watch(0)
             share = min(done + part, 1.0)
             turned = aligned(self._predictor.coords(angles + share * turn), there)
@@ -294,45 +294,19 @@ class _Course:
             (before, turned),
             key=lambda x: energy_of(self._frame, x, target, self._others).total,
         )
-        try:
-            rest = relaxed(
-                self._frame,
-                start,
-                target,
-                False,
-                [*self._others, _Stopped(self._contact)],
-                system=self._system,
-                watch=watch,
-                most=_MOST_ALONE,
-            )
-        except _PressedError:
-            return None
+        rest = relaxed(
+            self._frame,
+            start,
+            target,
+            False,
+            self._others,
+            system=self._system,
+            watch=watch,
+            most=_MOST_ALONE,
+        )
         there = aligned(rest.coords, before)
         free = self._contact.longest_step(before, there - before) == 1
         return there if free and not self.presses(there) else None
-
-
-class _PressedError(Exception):
-    """Faces press on each other."""
-
-
-@dataclass(frozen=True)
-class _Stopped:
-    """A potential without energy, that ends where a step would make faces press on each other."""
-
-    contact: Contact
-
-    def energy(self, coords: FloatArray) -> float:
-        del coords
-        return 0.0
-
-    def linearised(self, coords: FloatArray) -> tuple[FloatArray, list[Blocks]]:
-        return np.zeros_like(coords), []
-
-    def longest_step(self, coords: FloatArray, step: FloatArray) -> float:
-        if self.contact.longest_step(coords, step) < 1:
-            raise _PressedError
-        return 1.0
 
 
 def _joined(first: Rest, then: Rest) -> Rest:
