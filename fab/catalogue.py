@@ -25,6 +25,7 @@ __all__ = [
     "shipped",
     "shipped_picture",
     "template_groups",
+    "with_thickness",
 ]
 
 CURE = "Begin with a copy of a shipped file."
@@ -145,8 +146,21 @@ def described(folder: Folder) -> dict[str, tuple[str, str]]:
         except InvalidJob as error:
             out[name] = ("", str(error))
             continue
-        out[name] = _kind(document, folder), str(document.get("description", ""))
+        text, thickness = str(document.get("description", "")), document.get("thickness_mm")
+        if isinstance(thickness, float | int):
+            text = with_thickness(text, thickness)
+        out[name] = _kind(document, folder), text
     return out
+
+
+def with_thickness(description: str, thickness_mm: float) -> str:
+    """The description of a material, with its thickness where that is not a part of it.
+
+    >>> with_thickness("Card, 300 g/m2", 0.36), with_thickness("Birch plywood, 3 mm", 3.0)
+    ('Card, 300 g/m2, 0.36 mm', 'Birch plywood, 3 mm')
+    """
+    thickness = f"{thickness_mm:g} mm"
+    return description if f" {thickness}" in description else f"{description}, {thickness}"
 
 
 def known_of(kind: Literal["sheet", "print", "cutter", "printer"]) -> dict[str, Path]:

@@ -12,7 +12,7 @@ import click
 from fab.cli.completion import StockName
 from fab.cli.console import answers
 from fab.cli.delivery import FilesOf, Told, deliver
-from fab.cli.inputs import allowed_job
+from fab.cli.inputs import allowed_job, shipped_job
 from fab.cli.kept_folds import kept_fold
 from fab.cli.load_options import load_options, with_loads
 from fab.cli.options import (
@@ -109,9 +109,10 @@ def simulate(
 ) -> None:
     """Fold a crease pattern, or the sheet of a job, from flat, and judge whether it gets there.
 
-    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML). With --rigid the faces stay
-    flat: the sheet follows its rigid motion, where there is one, to its target, or until the crease
-    that folds most is at --fold-deg. With --fix the folded sheet carries loads, its weight for one.
+    FILE is FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ; or a job (TOML, or the name of a shipped one).
+    With --rigid the faces stay flat: the sheet follows its rigid motion, where there is one, to its
+    target, or until the crease that folds most is at --fold-deg. With --fix the folded sheet
+    carries loads, its weight for one.
     """
     with answers() as interrupts:
         from fab.folding.simulation import Solver
@@ -202,9 +203,9 @@ def animate(
 ) -> None:
     """Animate how a sheet grows, strip by strip, and how it folds.
 
-    FILE is a job (TOML), or a crease pattern: FOLD, SVG, DXF, CP, OPX, ORI, ORH or OBJ. A pattern
-    does not say how it grew, so its folding is shown alone: along its rigid motion where it has
-    one, else as it is simulated.
+    FILE is a job (TOML, or the name of a shipped one), or a crease pattern: FOLD, SVG, DXF, CP,
+    OPX, ORI, ORH or OBJ. A pattern does not say how it grew, so its folding is shown alone: along
+    its rigid motion where it has one, else as it is simulated.
     """
     with answers() as interrupts:
         from fab.jobs.animation_files import AnimationFormat, Shown, animate, formats_here
@@ -265,7 +266,8 @@ def _animated(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _job_of(file: Path, states: int | None, allow_code: bool) -> Job | None:
-    """The job in a TOML file; None for files of crease patterns."""
+    """The job in a TOML file, or a shipped one by its name; None for files of crease patterns."""
+    file = shipped_job(file) or file
     if file.suffix.lower() != ".toml":
         return None
     changes = [f"simulation.steps={states}"] if states is not None else []

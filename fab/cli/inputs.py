@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,14 +11,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fab.cli.options import Size
-from fab.errors import Finding, InvalidJob
+from fab.errors import Finding, InvalidJob, did_you_mean
+from fab.files import shown_path
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
     from fab.jobs.job import Job
     from fab.pattern.crease_pattern import CreasePattern
 
-__all__ = ["STANDARD_INPUT", "allowed_job", "sheet_of"]
+__all__ = ["STANDARD_INPUT", "allowed_job", "place_of_job", "sheet_of", "shipped_job"]
 
 # What stands for a job on standard input, in place of its file.
 STANDARD_INPUT = "-"
@@ -41,6 +43,31 @@ def allowed_job(path: Path, changes: Sequence[str], allow_code: bool) -> Job:
         if not _confirmed(f"{path} runs the code of {refusal.path}. Allow that?"):
             raise
     return load_job(path, changes, allow_code=True)
+
+
+def shipped_job(name: Path) -> Path | None:
+    """The file of a shipped job by its name; None for files, and for names of no shipped job."""
+    from fab.catalogue import shipped
+
+    if name.suffix or os.path.exists(name):  # noqa: PTH110 - false for names that no file can have
+        return None
+    return shipped("jobs").get(str(name))
+
+
+def place_of_job(job: Path) -> Path:
+    """The file of a job; of a shipped one by its name, where no file is called so."""
+    from fab.catalogue import shipped
+
+    if str(job) == STANDARD_INPUT or job.suffix or os.path.exists(job):  # noqa: PTH110 - as above
+        return job
+    found = shipped_job(job)
+    if found is None:
+        hint = did_you_mean(job, shipped("jobs"))
+        raise InvalidJob(
+            f"{shown_path(job)} is neither a file nor a shipped job.{hint} List these: "
+            "`quadfold templates`."
+        )
+    return found
 
 
 def _piped(source: str, changes: Sequence[str]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tomllib
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import click
 from fab.cli.completion import JobPath
 from fab.cli.console import answers, say, tell
 from fab.cli.delivery import FilesOf, Told, deliver
-from fab.cli.inputs import STANDARD_INPUT, allowed_job
+from fab.cli.inputs import allowed_job, place_of_job
 from fab.cli.kept_folds import kept_fold
 from fab.cli.options import (
     ALLOW_CODE,
@@ -63,7 +62,7 @@ def run(
         from fab.jobs.job_files import Format, make
 
         chosen = formats_of(only, Format)
-        loaded = allowed_job(_place(job), changes, allow_code)
+        loaded = allowed_job(place_of_job(job), changes, allow_code)
         formats = chosen or [Format(name) for name in loaded.wanted]
         if suggest:
             with progress_of(interrupts) as progress:
@@ -83,22 +82,6 @@ def run(
             told=told,
             kept=kept,
         )
-
-
-def _place(job: Path) -> Path:
-    """The file of a job; of a shipped one by its name, where no file is called so."""
-    from fab.catalogue import shipped
-
-    jobs = shipped("jobs")
-    if str(job) == STANDARD_INPUT or job.suffix or os.path.exists(job):  # noqa: PTH110 - false for names that no file can have
-        return job
-    if str(job) not in jobs:
-        hint = did_you_mean(job, jobs)
-        raise InvalidJob(
-            f"{shown_path(job)} is neither a file nor a shipped job.{hint} List these: "
-            "`quadfold templates`."
-        )
-    return jobs[str(job)]
 
 
 @click.command()
@@ -136,27 +119,35 @@ def templates(word: str, paper: bool) -> None:
 
 
 @click.command()
-@click.argument("template")
+@click.argument("template", metavar="NAME")
 @click.option("--out", default=None, type=click.Path(path_type=Path), help="File to write.")
 def new(template: str, out: Path | None) -> None:
-    """Copy a shipped job to a file of your own, to edit."""
+    """Copy a shipped job, material or machine to a file of your own, to edit."""
     with answers():
         from fab.catalogue import shipped
 
-        jobs = shipped("jobs")
-        if template not in jobs:
-            hint = did_you_mean(template, jobs)
+        jobs, stock = shipped("jobs"), {"material": shipped("materials")}
+        stock["machine"] = shipped("machines")
+        every = {**jobs, **stock["material"], **stock["machine"]}
+        if template not in every:
+            hint = did_you_mean(template, every)
             raise InvalidJob(
-                f"template {shortened(template)!r} must be one of {', '.join(jobs)}.{hint}"
+                f"template {shortened(template)!r} must be one of {', '.join(jobs)}, or a name "
+                f"that `quadfold shipped materials` or `quadfold shipped machines` lists.{hint}"
             )
         target = out if out is not None else Path(f"{template}.toml")
         try:
             with replaced(target, fresh=True) as written:
-                written.write_bytes(jobs[template].read_bytes())
+                written.write_bytes(every[template].read_bytes())
         except FileExistsError as error:
             raise InvalidJob(f"{target} exists already. Give another file with --out.") from error
         except OSError as error:
             raise InvalidJob(
                 f"{shown_path(target)}: cannot be written: {error.strerror}. Choose another --out."
             ) from error
-        say(f"wrote {target}; make its files with: quadfold run {target} --out out")
+        kind = next((kind for kind, names in stock.items() if template in names), None)
+        use = f"quadfold run {target} --out out"
+        if kind is None:
+            say(f"wrote {target}; make its files with: {use}")
+        else:
+            say(f"wrote {target}; give its path in place of the name of a {kind}")

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from fab.printing.thick_settings import PrintWith, ThickSettings
     from fab.progress import Progress
 
-__all__ = ["say_window", "thicken"]
+__all__ = ["say_window", "solid_lines", "thicken"]
 
 
 @click.command()
@@ -112,15 +112,28 @@ def thicken(
             )
 
         files = FilesOf(plain_title(file.stem), [THICK])
-        deliver(interrupts, make, out, files, dry_run=dry_run, summary=_summary, told=told)
+        deliver(interrupts, make, out, files, dry_run=dry_run, summary=solid_lines, told=told)
 
 
-def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+def solid_lines(report: Mapping[str, Any]) -> Iterator[str]:
+    """What was made of panels, and that they stay apart in the states that were checked."""
     solids = report["solids"]
-    if solids is not None:
-        size = " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"]["print"])
-        panels, hinges = counted(solids["panels"], "panel"), counted(solids["hinges"], "hinge")
-        yield f"{panels}, {hinges}, {size} mm"
+    if solids is None:
+        return
+    panels, hinges = counted(solids["panels"], "panel"), counted(solids["hinges"], "hinge")
+    size = " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"]["print"])
+    plates = solids.get("plates", report.get("plates"))
+    on = "" if plates is None else f" on {counted(len(plates['plates']), 'plate')}"
+    mass = "" if solids.get("mass_g") is None else f", {solids['mass_g']:.3g} g"
+    yield f"{panels}, {hinges}, {size} mm{on}{mass}"
+    near = [state for state in solids["states"] if state["clearance_min_mm"] is not None]
+    if solids["overlap_max_mm3"] or not near:
+        return
+    nearest = min(near, key=lambda state: float(state["clearance_min_mm"]))
+    yield (
+        f"nothing overlaps in {counted(len(solids['states']), 'checked state')} of the fold; the "
+        f"least clearance is {nearest['clearance_min_mm']:.2g} mm, {nearest['state']}"
+    )
 
 
 def say_window(

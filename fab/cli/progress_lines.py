@@ -15,6 +15,8 @@ __all__ = ["StageLines", "progress_of"]
 
 # A stage of a run whose output nobody watches is worth a line after so long.
 _LONG_S = 10.0
+# Of less than this share of a stage the time left is a guess: searches end early, and steps differ.
+_LEAST_SHARE = 0.05
 
 
 @contextmanager
@@ -68,7 +70,9 @@ class StageLines:
         if taken < _LONG_S or done >= total:
             return
         self._said = True
-        left = f", about {_seconds(taken * (total - done) / done)} left" if done else ""
+        left = ""
+        if done > _LEAST_SHARE * total:
+            left = f", about {_seconds(taken * (total - done) / done)} left"
         self._line(f"{stage}: {int(done)} of {total} after {_seconds(taken)}{left}")
 
     def end(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from fab.cli.panels import solid_lines
 from fab.cli.sheets import sheet_lines
 from fab.errors import counted
 
@@ -38,20 +39,12 @@ def summary(report: Mapping[str, Any]) -> Iterator[str]:
         yield f"{key} = {goal['bound']:g}: {goal['reached']:.4g} reached{within}"
     if "sheets" in report:
         yield from sheet_lines(report)
-    if report["solids"] is not None:
-        yield _solids(report["solids"], boxes["print"])
+    for number, line in enumerate(solid_lines(report)):
+        yield line if number else f"thick: {line}"
 
 
 def _sides(box: Sequence[float]) -> str:
     return " x ".join(f"{side:.4g}" for side in box)
-
-
-def _solids(solids: Mapping[str, Any], box: Sequence[float]) -> str:
-    panels, hinges = counted(solids["panels"], "panel"), counted(solids["hinges"], "hinge")
-    plates = solids["plates"]
-    on = "" if plates is None else f" on {counted(len(plates['plates']), 'plate')}"
-    mass = "" if solids.get("mass_g") is None else f", {solids['mass_g']:.3g} g"
-    return f"thick: {panels}, {hinges}, {_sides(box)} mm{on}{mass}"
 
 
 def _distance(distance: Mapping[str, float]) -> str:

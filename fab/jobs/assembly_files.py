@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from fab.catalogue import with_thickness
 from fab.drawings.cut_paths import Layer, Operation
 from fab.errors import Finding, Severity, counted
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
@@ -274,7 +275,7 @@ def _facts(request: SheetRequest, report: Mapping[str, Any]) -> list[tuple[str, 
     if request.registration is not None:
         settings += ", creases scored from both sides"
     return [
-        ("Material", f"{material.description}, {material.thickness_mm:g} mm"),
+        ("Material", with_thickness(material.description, material.thickness_mm)),
         ("Machine", machine.description),
         ("Settings", settings),
         ("Sheets", f"{len(report['sheets'])} of {width:g} x {depth:g} mm, {grams:.3g} g each"),

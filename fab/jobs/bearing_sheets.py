@@ -18,7 +18,7 @@ def bearing_sheets(material: str | None = None) -> list[Bearer]:
     Raises `InvalidJob` where the material is not known.
     """
     if material is not None:
-        wanted: dict[str, str | Path] = {Path(material).stem: material}
+        wanted: dict[str, str | Path] = {Path(material).name.removesuffix(".toml"): material}
     else:
         every = shipped("materials").items()
         wanted = {name: path for name, path in every if "kind" not in read_toml(path, "")}

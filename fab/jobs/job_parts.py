@@ -23,6 +23,7 @@ from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_accuracy, inspect_crossings, measure_pattern
 from fab.pattern.meeting_rims import meeting_rims
 from fab.progress import Clock
+from solver.errors import InvalidState
 from solver.graphs import labels
 from solver.self_intersection import crossing_faces
 from solver.vectors import IntArray
@@ -193,14 +194,21 @@ def simulation_part(
 
 
 def rigidity_part(sheet: FoldedSheet, clock: Clock) -> Part:
-    """Whether the sheet folds with flat faces, where that is found in a tenth of a second."""
+    """Whether the sheet folds with flat faces, where that is found in a tenth of a second.
+
+    It is not asked of a sheet of which a face is inside out or has no area: such a sheet has an
+    error from its growth.
+    """
     pattern = sheet.pattern
     if pattern.face_count > _RIGIDITY_FACES:
         return Part()
     from fab.folding.rigid_motion import rigid_motion
 
     with clock.stage("rigid"):
-        return Part(report={"rigid": rigid_motion(pattern).report()})
+        try:
+            return Part(report={"rigid": rigid_motion(pattern).report()})
+        except InvalidState:
+            return Part()
 
 
 def _number(value: float) -> float | None:

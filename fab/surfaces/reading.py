@@ -36,7 +36,10 @@ def read_surface_mesh(path: str | Path, faces: int | Sequence[int] | None = None
         found = in_own_process(task, file, given, reading_bounds(size))
         soup = found["vertices_coords"], found["faces"]
         if faces is None and int(found["count"]) > 1:
-            text = f"All {counted(int(found['count']), 'face')} of the model are taken together."
+            text = (
+                f"All {counted(int(found['count']), 'face')} of the model are taken together; "
+                f"`face` chooses. {found['listed']}"
+            )
             findings.append(Finding("model-faces", Severity.NOTE, text))
     else:
         if faces is not None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fab.errors import InvalidFile
+from fab.formats.meshes.step_faces import listed_faces
 from solver.errors import InvalidValue
 
 if TYPE_CHECKING:
@@ -33,7 +34,8 @@ def step_triangles(path: str, faces: Sequence[int] | None) -> dict[str, Any]:
 
     faces : their numbers, from 0; None for all faces of the file. Their names are
     "vertices_coords", shape (n, 3), "faces", shape (m, 3), counterclockwise seen from outside of
-    the body, and "count", how many faces of the file they are. Raises `InvalidFile` or
+    the body, "count", how many faces of the file they are, and "listed", the faces of the file in
+    words. Raises `InvalidFile` or
     `InvalidValue`.
     """
     from build123d import import_step
@@ -44,12 +46,17 @@ def step_triangles(path: str, faces: Sequence[int] | None) -> dict[str, Any]:
     chosen = range(len(every)) if faces is None else faces
     for number in chosen:
         if not 0 <= number < len(every):
-            cure = "Faces are numbered in the order of the file."
-            raise InvalidValue("face", number, f"lie from 0 to {len(every) - 1}", cure)
+            bound = f"lie from 0 to {len(every) - 1}"
+            raise InvalidValue("face", number, bound, listed_faces(every))
     coords, triangles = _meshed([every[number] for number in chosen])
     if not len(triangles):
         raise InvalidFile(f"{path}: OpenCASCADE made no triangles of its faces. Export a mesh.")
-    return {"vertices_coords": coords, "faces": triangles, "count": np.array(len(chosen))}
+    return {
+        "vertices_coords": coords,
+        "faces": triangles,
+        "count": np.array(len(chosen)),
+        "listed": np.array(listed_faces(every)),
+    }
 
 
 def _meshed(faces: Sequence[Face]) -> tuple[Any, Any]:

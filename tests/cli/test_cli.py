@@ -128,6 +128,32 @@ def test_templates_are_listed_and_copied(here):
     assert "Did you mean miura" in run("new", "mura").output
 
 
+@pytest.mark.parametrize(
+    ("name", "kind"), [("card_300gsm", "material"), ("knife_a4", "machine"), ("ender_3", "machine")]
+)
+def test_new_copies_materials_and_machines_too(here, name, kind):
+    made = run("new", name, "--out", "mine.toml")
+    assert made.exit_code == 0
+    assert f"in place of the name of a {kind}" in made.stdout
+    assert (here / "mine.toml").read_bytes() == (
+        TEMPLATES / f"{kind}s" / f"{name}.toml"
+    ).read_bytes()
+    assert "Did you mean card_300gsm" in run("new", "card_300gms").output
+
+
+def test_names_of_shipped_files_are_of_one_kind_alone():
+    folders = [TEMPLATES, TEMPLATES / "materials", TEMPLATES / "machines"]
+    names = [path.stem for folder in folders for path in folder.glob("*.toml")]
+    assert len(names) == len(set(names))
+
+
+def test_shipped_jobs_are_folded_by_their_names(here):
+    made = run("simulate", "rigid_miura", "--rigid", "--states", "2", "--only", "fold", "--dry-run")
+    assert made.exit_code == 0
+    assert "rigid_miura_folding.fold" in made.stdout
+    assert run("simulate", "rigid_mura").exit_code == 2
+
+
 def test_check_measures_a_fold_file(here):
     (here / "good.fold").write_bytes(template_fold("miura"))
     result = run("check", "good.fold")
@@ -351,8 +377,7 @@ def printed_by(code):
 def test_python_of_the_guide_runs(here):
     blocks = re.findall(r"```python\n(.*?)```", guide("python", "paper_figures"), re.DOTALL)
     (swept,) = [block for block in blocks if "fab.sweep(" in block]
-    Path("templates").mkdir()
-    Path("templates/miura.toml").write_bytes((TEMPLATES / "miura.toml").read_bytes())
+    assert run("new", "miura", "--out", "mine.toml").exit_code == 0
     Path("script.py").write_text(swept)
     done = subprocess.run([sys.executable, "script.py"], capture_output=True, text=True, check=True)
     fold_deg, strain = map(float, done.stdout.split())

@@ -137,6 +137,8 @@ def test_long_stages_have_a_line_each_with_the_time_left():
 
     step(0, "grow", 0, 4)
     step(9.9, "grow", 3, 4)
+    step(0, "fit", 0, 40)
+    step(12, "fit", 1, 40)  # too early to say how long
     step(0, "nest", 0, 10)
     step(8, "nest", 1, 10)
     step(8, "nest", 4, 10)
@@ -144,7 +146,11 @@ def test_long_stages_have_a_line_each_with_the_time_left():
     step(0, "simulate", 0, 1)
     step(20, "write", 0, 1)
     stages.end()
-    assert lines == ["nest: 4 of 10 after 16 s, about 24 s left", "simulate: done after 20 s"]
+    assert lines == [
+        "fit: 1 of 40 after 12 s",
+        "nest: 4 of 10 after 16 s, about 24 s left",
+        "simulate: done after 20 s",
+    ]
 
 
 def test_the_closing_lines_say_what_a_maker_asks(tmp_path):
@@ -157,6 +163,7 @@ def test_the_closing_lines_say_what_a_maker_asks(tmp_path):
     assert f"flat {sides(flat)} mm; folded {sides(folded)} mm" in lines
     assert report["rigid"]["text"] in lines
     assert report["rigid"]["text"].startswith("folds rigidly, 1 degree of freedom")
+    assert [line for line in lines if line.startswith("nothing overlaps in 10 checked states")]
     (thick,) = [line for line in lines if line.startswith("thick: ")]
     assert thick.startswith("thick: 80 panels, ")
     assert thick.endswith(f"{report['solids']['mass_g']:.3g} g")
@@ -180,6 +187,9 @@ def test_materials_and_machines_are_listed_by_a_word():
     every, knives = run("shipped", "machines").stdout, run("shipped", "machines", "Knife").stdout
     assert 0 < len(knives.splitlines()) < len(every.splitlines())
     assert all("knife" in line.casefold() for line in knives.splitlines())
+    sheets = run("shipped", "materials", "sheet").stdout
+    assert "Card, 300 g/m2, 0.36 mm\n" in sheets
+    assert sheets.count("Birch plywood, 3 mm\n") == 1
     none = run("shipped", "materials", "zzz")
     assert none.exit_code == 2
     assert "none of the" in none.stderr

@@ -135,11 +135,15 @@ def test_the_first_steps_of_scripts_are_taken(tmp_path, monkeypatch):
     text = (DOCS / "start" / "scripts.md").read_text("utf-8")
     (line,) = commands_of(text)
     assert json.loads(run(line).stdout)["counts"]["faces"] == 60
-    first, swept = blocks(text, "python")
+    first, best = blocks(text, "python")
     done = subprocess.run([sys.executable, "-c", first], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1].endswith("] True")
     assert {path.name for path in Path("out").iterdir()} >= {"screen.fold", "screen.svg"}
-    assert "fab.sweep(" in swept  # run, in another form, by the guide's page about Python
+    Path("best.py").write_text(best)
+    subprocess.run([sys.executable, "best.py"], capture_output=True, text=True, check=True)
+    assert {path.name for path in Path("out/best").iterdir()} == {"m.svg", "m_report.json"}
+    report = json.loads(Path("out/best/m_report.json").read_text())
+    assert report["job"]["design"]["fold_deg"] == 30.0  # folded less, the pleats are lower
 
 
 def test_the_job_and_the_drawing_of_the_how_tos_are_taken(tmp_path, monkeypatch):

@@ -196,6 +196,8 @@ def test_shipped_sheets_say_what_they_bear_thin_ones_first():
     assert names[:2] == ["copy_paper_80gsm", "pet_film_0.19mm"]
     assert "plywood_3mm" not in names  # no source gives a figure
     assert [each.name for each in bearing_sheets("card_300gsm")] == ["card_300gsm"]
+    dotted = "polypropylene_0.5mm"
+    assert [each.name for each in bearing_sheets(dotted)] == [dotted]
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 1e-200])

@@ -79,3 +79,12 @@ def test_what_is_at_fault_is_named(tmp_path):
     )
     with pytest.raises(InvalidJob, match=r"mine.toml: kind = '3' must be 'printer'"):
         printed.make(["stl"])
+
+
+def test_a_sheet_with_a_face_inside_out_is_made_with_its_errors():
+    rows = np.zeros((3, 3, 3))
+    rows[..., 0], rows[..., 1] = np.meshgrid(np.arange(3.0), np.arange(3.0))
+    rows[1, 1, :2] = 2.5, 2.5  # beyond the corner of its faces
+    made = fab.from_mesh(rows, **SIZE).make(["fold"])
+    assert made.report["rigid"] is None
+    assert [finding.code for finding in made.findings] == ["not-developable", "not-isometric"]

@@ -21,7 +21,7 @@ from made_pages.markdown import anchor, cell, docstring, table
 
 __all__ = ["keys_pages", "missing_texts", "units_of"]
 
-_HEAD = ("key", "", "value", "default")
+_HEAD = ("key", "meaning", "value", "default")
 # Units by the ends of keys, the longer ends first.
 _UNITS = {
     "_mm_per_unit": "mm per unit",
@@ -119,7 +119,8 @@ def _page(title: str, about: str, models: list[tuple[str, type[Settings]]]) -> s
                 name = ".".join(path)
                 out.append(f"{level} [{name}]\n".replace("[", "\\["))
                 out.append(docstring(_own_text(inner)) + "\n")
-            rows = [_row(key, info, text) for key, (info, text) in _fields(inner).items()]
+            fields = sorted(_fields(inner).items(), key=_what_is_needed_first)
+            rows = [_row(key, info, text) for key, (info, text) in fields]
             out.append(table(_HEAD, rows))
     return "\n".join(out)
 
@@ -195,6 +196,12 @@ def _fields(model: type[Settings]) -> dict[str, tuple[FieldInfo, str]]:
             text = _own_text(inner[0]).partition("\n")[0] if len(inner) == 1 else text
         out[key] = (info, text)
     return out
+
+
+def _what_is_needed_first(field: tuple[str, tuple[FieldInfo, str]]) -> tuple[bool, bool]:
+    """An order: needed keys, keys with values, tables."""
+    info = field[1][0]
+    return not info.is_required(), bool(_inner_tables(info))
 
 
 def _own_text(model: type[Settings]) -> str:

@@ -36,7 +36,7 @@ def stock_page(folder: Literal["materials", "machines"]) -> str:
     """What is shipped, and all values of each file."""
     title, about = _ABOUT[folder]
     files = shipped(folder)
-    kinds = {name: kind for name, (kind, _) in described(folder).items() if name in files}
+    known = described(folder)
     out = [
         f"# {title}\n",
         about + f" `quadfold shipped {folder}` lists the names. Values that differ from machine to "
@@ -44,7 +44,7 @@ def stock_page(folder: Literal["materials", "machines"]) -> str:
         "ones.\n",
     ]
     for kind, heading in _TITLES.items():
-        names = [name for name in files if kinds.get(name) == kind]
+        names = [name for name in files if known[name][0] == kind]
         if not names:
             continue
         out.append(f"## {heading}\n")
@@ -58,7 +58,7 @@ def stock_page(folder: Literal["materials", "machines"]) -> str:
             ]
             out += [
                 anchor(f"stock-{name}") + f"### {name}\n",
-                cell(str(document.get("description", ""))) + ".\n",
+                cell(known[name][1]) + ".\n",
                 table(["key", "value", ""], rows),
             ]
     return "\n".join(out)

@@ -19,7 +19,7 @@ __all__ = ["DrawnLines", "PlanarLines", "planar_lines", "ranks_of"]
 # Which of two letters in one place says more.
 _RANK = {letter: rank for rank, letter in enumerate(UNLETTERED + "JUFVMCB")}
 # Of the diagonal: moved by less, an end is where it was.
-_MOVED_REL = 1e-9
+_MOVED_REL = 1e-8
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from solver.vectors import FloatArray
 if TYPE_CHECKING:
     from build123d import Face
 
-__all__ = ["spline_face", "step_face"]
+__all__ = ["listed_faces", "spline_face", "step_face"]
 
 # Kinds of faces that are (rational) splines exactly; others would be approximated.
 _EXACT = (
@@ -58,7 +58,7 @@ def _chosen(file: Path, number: int | None) -> Face:
         number = 0
     if number is None or not 0 <= number < len(faces):
         last = len(faces) - 1
-        raise InvalidValue("face", number, f"lie from 0 to {last}", _listed(faces))
+        raise InvalidValue("face", number, f"lie from 0 to {last}", listed_faces(faces))
     face = faces[number]
     if face.geom_type.name not in _EXACT:
         cure = "Convert it to a B-spline surface in the CAD program, or export it as a mesh."
@@ -67,13 +67,14 @@ def _chosen(file: Path, number: int | None) -> Face:
     return face
 
 
-def _listed(faces: Sequence[Face]) -> str:
+def listed_faces(faces: Sequence[Face]) -> str:
+    """The first faces of a file, with their kinds and areas, so that one may be chosen."""
     lines = [
         f"{number}: {face.geom_type.name.lower()} of {face.area:.6g} mm2"
         for number, face in enumerate(faces[:_LISTED])
     ]
     more = "; ..." if len(faces) > _LISTED else ""
-    return f"The faces are {'; '.join(lines)}{more}."
+    return f"The faces are numbered {'; '.join(lines)}{more}."
 
 
 def spline_face(face: Face) -> SplineFace:
