@@ -122,7 +122,7 @@ def relaxed(
         step = here.step(damping)
         taken = None
         if step is not None:
-            taken = _lower(frame, coords, step, target, potentials, energy, here)
+            taken = _Line(frame, target, potentials, coords, energy, here, step).lower()
         if taken is None or step is None:
             if step is not None and _no_more(here, step, damping, energy):
                 return Rest(coords, tuple(accepted), solved, True)
@@ -159,60 +159,57 @@ class _Taken:
     free: float
 
 
-def _lower(
-    frame: Framework,
-    coords: FloatArray,
-    step: FloatArray,
-    target: FloatArray,
-    potentials: Sequence[Potential],
-    before: Energy,
-    here: Linearised,
-) -> _Taken | None:
-    """The longest part of a step that lowers the energy; None where none does.
+@dataclass(frozen=True)
+class _Line:
+    """A step, shape (nv, 3), from where the sheet is, and what acts along it."""
 
-    Potentials may have less curvature than their energy: where they bend more than the sheet does,
-    a step that gains much less than is promised ends where a parabola has its least energy, if that
-    is lower still.
-    """
-    free = free_share(potentials, coords, step)
-    for length in _LENGTHS:
-        there = coords + length * free * step
-        energy = energy_of(frame, there, target, potentials)
-        if energy.total < before.total:
-            taken = _Taken(there, energy, length, free)
-            return _shorter(frame, coords, step, target, potentials, before, here, taken)
-    return None
+    frame: Framework
+    target: FloatArray
+    potentials: Sequence[Potential]
+    coords: FloatArray
+    energy: Energy
+    here: Linearised
+    step: FloatArray
 
+    def lower(self) -> _Taken | None:
+        """The longest part of the step that lowers the energy; None where none does.
 
-def _shorter(
-    frame: Framework,
-    coords: FloatArray,
-    step: FloatArray,
-    target: FloatArray,
-    potentials: Sequence[Potential],
-    before: Energy,
-    here: Linearised,
-    taken: _Taken,
-) -> _Taken:
-    """The part of a step at the least energy of a parabola, where that is lower than at its end."""
-    if not here.pulled or taken.free < 1:
-        return taken
-    part = taken.length
-    slope, pull = (part * float(np.sum(each * step)) for each in (here.gradient, here.pull))
-    gain = before.total - taken.energy.total
-    bend = -gain - slope
-    others = sum(taken.energy.others) - sum(before.others) - pull
-    promised = -slope * (1 - part / 2)
-    if bend <= 0 or others < _MOST_OF_IT * bend or gain > _MOST_OF_IT * promised:
-        return taken
-    least = -slope / (2 * bend)
-    if not _LEAST_PART < least < _NEARLY_ALL:
-        return taken
-    there = coords + least * part * step
-    energy = energy_of(frame, there, target, potentials)
-    return (
-        replace(taken, coords=there, energy=energy) if energy.total < taken.energy.total else taken
-    )
+        Potentials may have less curvature than their energy: where they bend more than the sheet
+        does, a step that gains much less than is promised ends where a parabola has its least
+        energy, if that is lower still.
+        """
+        free = free_share(self.potentials, self.coords, self.step)
+        for length in _LENGTHS:
+            taken = self._at(length, free)
+            if taken.energy.total < self.energy.total:
+                return self._shorter(taken)
+        return None
+
+    def _at(self, length: float, free: float) -> _Taken:
+        there = self.coords + length * free * self.step
+        energy = energy_of(self.frame, there, self.target, self.potentials)
+        return _Taken(there, energy, length, free)
+
+    def _shorter(self, taken: _Taken) -> _Taken:
+        """The part at the least energy of a parabola, where that is lower than at its end."""
+        if not self.here.pulled or taken.free < 1:
+            return taken
+        part = taken.length
+        slope, pull = (
+            part * float(np.sum(each * self.step)) for each in (self.here.gradient, self.here.pull)
+        )
+        gain = self.energy.total - taken.energy.total
+        bend = -gain - slope
+        others = sum(taken.energy.others) - sum(self.energy.others) - pull
+        promised = -slope * (1 - part / 2)
+        if bend <= 0 or others < _MOST_OF_IT * bend or gain > _MOST_OF_IT * promised:
+            return taken
+        least = -slope / (2 * bend)
+        if not _LEAST_PART < least < _NEARLY_ALL:
+            return taken
+        shorter = self._at(least * part, 1.0)
+        lower = shorter.energy.total < taken.energy.total
+        return replace(shorter, length=part) if lower else taken
 
 
 def _no_more(here: Linearised, step: FloatArray, damping: float, energy: Energy) -> bool:
