@@ -309,8 +309,7 @@ def limited(kind: int, most: int) -> Callable[[Surroundings], None]:
 def no_working_folder(on: Surroundings) -> None:
     """The working folder is gone when the command begins; it writes elsewhere."""
     place = on.world.path / "here" / "gone"
-    place.mkdir()
-    on.first += [lambda: os.chdir(place), place.rmdir]
+    on.first += [place.mkdir, lambda: os.chdir(place), place.rmdir]
     on.more += ["--out", str(on.out)]
 
 
