@@ -152,6 +152,9 @@ def _between_sides(region: shapely.Polygon) -> FloatArray:
     second = int(np.argmax(np.hypot(*(ring - ring[0]).T)))
     forth, back = ring[: second + 1], np.append(ring[second:], ring[:1], axis=0)[::-1]
     share = np.linspace(0, 1, _SIDE_POINTS)
+    for side in (forth, back):  # the corners too, which would be cut off
+        along = np.cumsum(np.hypot(*np.diff(side, axis=0, prepend=side[:1]).T))
+        share = np.union1d(share, along / along[-1])
     sides = [
         shapely.line_interpolate_point(shapely.linestrings(side), share, normalized=True)
         for side in (forth, back)
