@@ -44,6 +44,8 @@ def read_in_this_process(monkeypatch):
     """Files of models are read without starting a process for each, as `test_own_process` does."""
 
     class Here:
+        stdin = None
+
         def __init__(self, command, **_):
             *_, task, request, answer = command
             own_process._work(task, Path(request), Path(answer))
@@ -55,5 +57,5 @@ def read_in_this_process(monkeypatch):
             return 0
 
     monkeypatch.setattr(own_process, "_limit", lambda *_: None)
-    names = {"DEVNULL": None, "TimeoutExpired": TimeoutError, "Popen": Here}
+    names = {"DEVNULL": None, "PIPE": None, "TimeoutExpired": TimeoutError, "Popen": Here}
     monkeypatch.setattr(own_process, "subprocess", SimpleNamespace(**names))

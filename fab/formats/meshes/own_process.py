@@ -172,7 +172,6 @@ def _end_with_parent() -> None:
 
 def _work(task: str, request: Path, answer: Path) -> None:
     """What the process does: call the function and write its arrays, or why there are none."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
     asked = json.loads(request.read_text())
     _limit(*asked["limits"])
     module, _, function = task.partition(":")
@@ -184,4 +183,5 @@ def _work(task: str, request: Path, answer: Path) -> None:
 
 
 if __name__ == "__main__":
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     _work(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]))
