@@ -164,6 +164,28 @@ def test_an_interrupt_ends_the_process_too(work, tmp_path):
     assert not alive(int(noted.read_text()))
 
 
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_the_process_ends_with_one_that_is_killed(work, tmp_path):
+    noted = tmp_path / "a file.step"
+    code = (
+        "import sys; from pathlib import Path\n"
+        "from fab.formats.meshes.own_process import Bounds, in_own_process\n"
+        "path = Path(sys.argv[1])\n"
+        "in_own_process('work_of_tests:hangs', path, {'path': str(path)}, Bounds(60, 4000))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": str(tmp_path)}
+    parent = subprocess.Popen([sys.executable, "-c", code, str(noted)], env=environment)
+    while not (noted.is_file() and noted.read_text()):
+        assert parent.poll() is None
+        time.sleep(0.05)
+    parent.kill()
+    parent.wait()
+    end = time.monotonic() + 30
+    while alive(int(noted.read_text())) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not alive(int(noted.read_text()))
+
+
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.6, 0.9])
 def test_truncated_models_are_refused(tmp_path, share):
     export_step(Cylinder(2, 5), tmp_path / "whole.step")
