@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -40,6 +41,7 @@ _OVER = 75
 def local_pool(jobs: int, limits: Limits) -> Iterator[Executor]:
     """A pool of processes on this machine, each with one thread. Its processes end with it."""
     with _one_thread():
+        _begin_tracker()
         pool = ProcessPoolExecutor(
             jobs,
             multiprocessing.get_context("spawn"),
@@ -54,6 +56,21 @@ def local_pool(jobs: int, limits: Limits) -> Iterator[Executor]:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in processes:
                 process.terminate()
+
+
+def _begin_tracker() -> None:
+    """Begin the process that clears up semaphores, which outlives the pool however that ends.
+
+    It heeds neither Ctrl-C nor SIGTERM of its own accord; here nor a terminal that is closed.
+    """
+    closed = getattr(signal, "SIGHUP", None)
+    if closed is None:
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [closed])  # which it inherits
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
