@@ -19,7 +19,7 @@ from fab.folding.potentials import Potential, energy_of, free_share
 from fab.progress import Steps
 from solver.vectors import BoolArray, FloatArray
 
-__all__ = ["SETTLED", "Rest", "relaxed", "unwatched", "watched"]
+__all__ = ["Rest", "relaxed", "unwatched", "watched"]
 
 # Damping, relative to the mean of the diagonal: as little as rounding allows, more where a step
 # fails.
@@ -31,7 +31,7 @@ _MOST, _MOST_AT_LAST = 150, 400
 _TRUSTED_DAMPING = 1e-6
 # Below the full load, the sheet is at rest where a step lowers the energy by less than this share,
 # unless another one is given.
-SETTLED = 1e-6
+_SETTLED = 1e-6
 # Smaller steps, relative to the size of the sheet, are rounding.
 _ROUNDING = 1e-12
 # Energy of coordinates that are off by a few roundings, relative to the sum of all stiffness.
@@ -90,7 +90,7 @@ def relaxed(
     system: NewtonSystem | None = None,
     watch: Callable[[int], None] = unwatched,
     most: int | None = None,
-    settled: float = SETTLED,
+    settled: float = _SETTLED,
 ) -> Rest:
     """The local minimum of energy near to `coords`, shape (nv, 3).
 

@@ -32,7 +32,7 @@ from fab.folding.quasi_static import (
     state_of,
     straight_path,
 )
-from fab.folding.rest import SETTLED, Rest, relaxed, watched
+from fab.folding.rest import Rest, relaxed, watched
 from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
@@ -49,7 +49,9 @@ _REACH_OF_SIDE = 0.02
 REACH_LAST = 1e-5
 _REACHES_LAST = (1e-4, REACH_LAST)
 # Most steps at each load: a sheet that needs more is jammed.
-_MOST = 60
+_MOST = 40
+# Below the full load the sheet is at rest where a step lowers the energy by less than this share.
+_SETTLED = 1e-4
 # And while layers that are at rest come nearer at the full load.
 _MOST_NEARER = 40
 # They are near enough where a step lowers the energy by less than this share.
@@ -205,7 +207,7 @@ class _Course:
         contact: Contact,
         watch: Callable[[int], None],
         most: int = _MOST,
-        settled: float = SETTLED,
+        settled: float = _SETTLED,
     ) -> Rest:
         return relaxed(
             self._frame,
