@@ -29,6 +29,8 @@ _SIDE_POINTS = 400
 _CORNER, _CORNER_REL = 3.0, 0.3
 # In mean widths: what an axis is simplified by, and what is made anew at its ends.
 _OFF, _END = 0.25, 1.0
+# Points of an axis that are nearer to each other, in steps along the outline, are one.
+_SAME = 1e-6
 
 
 def centre_lines(region: shapely.Polygon, least: float) -> list[FloatArray]:
@@ -83,7 +85,18 @@ def _axis(region: shapely.Polygon, step: float, corner: float) -> tuple[FloatArr
     shapely.prepare(region)
     inside = shapely.contains_xy(region, points)
     links = links[inside[links].all(axis=1)]
+    links = _of_places(points, links, _SAME * step)
     return points, links[links[:, 0] != links[:, 1]]
+
+
+def _of_places(points: FloatArray, links: IntArray, near: float) -> IntArray:
+    """The links with one number for points in one place: around four of a circle there are two."""
+    used, number = np.unique(links, return_inverse=True)
+    _, first, place = np.unique(
+        np.rint(points[used] / near), axis=0, return_index=True, return_inverse=True
+    )
+    out: IntArray = used[first[place.ravel()]][number].reshape(-1, 2)
+    return out
 
 
 def _chains(links: IntArray) -> list[list[int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias
@@ -139,6 +140,11 @@ def axes_of(
         )
     if len(leaves) > MOST_AXES:
         raise InvalidJob(f"{source}: has {len(leaves)} axes, must have at most {MOST_AXES}.")
+    ((key, count),) = Counter(key for key, _ in leaves).most_common(1)
+    if count > 1:
+        raise InvalidJob(
+            f"{source}: axes.{key} is there {count} times, with dots and as a table. Give it once."
+        )
     return tuple(
         _axis(key, given, source, types(key) if types is not None else ()) for key, given in leaves
     )
@@ -212,7 +218,8 @@ def _listed(given: Any, place: str) -> tuple[Value, ...]:
             raise InvalidJob(f"{place}: {value} must be finite.")
         if isinstance(value, int):
             _bounded(value, place)
-    repeated = [value for number, value in enumerate(given) if value in given[:number]]
+    counts = Counter(given)
+    repeated = [value for value in given if counts[value] > 1]
     if repeated:
         raise InvalidJob(f"{place}: {repeated[0]!r} is listed twice. Name each value once.")
     return tuple(given)

@@ -91,8 +91,11 @@ def variations_of(sweep: Sweep, source: str) -> Variations:
     if sweep.combine == "zip" and len(set(sizes.values())) > 1:
         listed = ", ".join(f"{key} {size}" for key, size in sizes.items())
         raise InvalidJob(f"{source}: combine = 'zip' needs axes of equal length: {listed} values.")
-    if sweep.count is not None and sweep.count > MOST:
-        raise InvalidJob(f"{source}: count = {sweep.count} must be at most {MOST}.")
+    if sweep.count is not None and sweep.count * len(axes) > MOST:
+        raise InvalidJob(
+            f"{source}: count = {sweep.count} must be at most {MOST // len(axes)}, which makes "
+            f"{MOST} values of {len(axes)} axes. Take fewer."
+        )
     whole = {
         "grid": prod(sizes.values()),
         "zip": next(iter(sizes.values())),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
@@ -297,7 +298,8 @@ def mesh_arrays(path: str | Path) -> dict[str, Any]:
     import trimesh
 
     try:
-        mesh = trimesh.load_mesh(file, file_type=ending, process=False)
+        data = io.BytesIO(file.read_bytes())  # without a path no other files are looked for
+        mesh = trimesh.load_mesh(data, file_type=ending, process=False)
     except Exception as error:  # readers of foreign files raise all kinds
         reason = " ".join(str(error).split())[:200].rstrip(".") or "it is damaged"
         cure = f"trimesh reports: {reason}. Export it again."

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from fuzz.mesh_kinds import MESH_KINDS
 from fuzz.pattern_kinds import PATTERN_KINDS
+from fuzz.product_kinds import PRODUCT_KINDS
 from fuzz.studio_kinds import STUDIO_KINDS
 from fuzz.table_kinds import TABLE_KINDS
 
 __all__ = ["KINDS"]
 
-KINDS = {kind.name: kind for kind in (*TABLE_KINDS, *PATTERN_KINDS, *MESH_KINDS, *STUDIO_KINDS)}
+KINDS = {
+    kind.name: kind
+    for kind in (*TABLE_KINDS, *PATTERN_KINDS, *MESH_KINDS, *STUDIO_KINDS, *PRODUCT_KINDS)
+}

@@ -8,6 +8,7 @@ fault; what it returns is taken on here as the reader does.
 
 from __future__ import annotations
 
+import faulthandler
 import functools
 import os
 import re
@@ -202,6 +203,7 @@ def _forked(function: Callable[[], dict[str, Any]], path: Path) -> dict[str, Any
     if child == 0:
         code = 3
         try:
+            faulthandler.disable()  # a crash is one of the ways to end
             signal.setitimer(signal.ITIMER_PROF, 0)
             signal.signal(signal.SIGPROF, signal.SIG_DFL)
             resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS + 1))

@@ -68,3 +68,20 @@ def test_there_is_always_a_line(seed, count, size):
         lines = centre_lines(hull, 0.1 * size)
         assert lines
         assert 0 < length(lines) < 10 * size
+
+
+def test_points_of_the_axis_in_one_place_are_one():
+    """Around four points of a circle the diagram has two vertices: a line between them has none."""
+    corners = [
+        (58.768774264835145, 39.486054608815905),
+        (58.79094762903463, 39.52659520496174),
+        (58.814970133081744, 39.48712221020469),
+    ]
+    generator = np.random.default_rng(1)
+    for points in (corners, *generator.uniform(0, 0.05, (60, 3, 2))):
+        region = shapely.Polygon(points)
+        lines = centre_lines(region, 0.15)
+        assert lines
+        for line in lines:
+            assert np.isfinite(line).all()
+            assert np.hypot(*np.diff(line, axis=0).T).sum() > 0

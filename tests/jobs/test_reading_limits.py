@@ -6,6 +6,7 @@ import time
 import tracemalloc
 
 import pytest
+from fuzz.trials import watched_opens
 
 from fab.errors import InvalidFile, InvalidJob
 from fab.formats import json_files
@@ -286,3 +287,36 @@ def test_long_words_take_no_longer_than_others(name, word, tmp_path):
     with contextlib.suppress(InvalidFile):
         read_pattern_file(path, ReadOptions())
     assert time.process_time() - begin < 3.0
+
+
+@pytest.mark.parametrize("key", ["vertices_coords", "edges_vertices", "edges_assignment"])
+def test_one_long_text_among_numbers_takes_no_memory_for_each_of_them(key, tmp_path):
+    """An array of texts is as wide as its longest: of 4000 rows and a text of 1 MB, 16 GB."""
+    side = 32
+    corners = [[float(i % side), float(i // side)] for i in range(side * side)]
+    edges = [[i, i + 1] for i in range(side * side - 1) if (i + 1) % side]
+    document = {
+        "vertices_coords": corners,
+        "edges_vertices": edges,
+        "edges_assignment": ["B"] * len(edges),
+    }
+    document[key][5] = "x" * 10**6 if key == "edges_assignment" else ["x" * 10**6, 0]
+    path = tmp_path / "a.fold"
+    path.write_text(json.dumps(document))
+    tracemalloc.start()
+    with pytest.raises(InvalidFile) as caught:
+        read_pattern_file(path, ReadOptions())
+    taken = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert taken < 3 * 10**7
+    assert len(str(caught.value)) < 1000
+
+
+def test_meshes_do_not_open_the_files_that_they_name(tmp_path):
+    """A material, and its picture, beside an OBJ file."""
+    (tmp_path / "a.mtl").write_text("newmtl m\nmap_Kd a.png\n")
+    path = tmp_path / "a.obj"
+    path.write_text("mtllib a.mtl\nv 0 0 0\nv 4 0 0\nv 4 3 0\nusemtl m\nf 1 2 3\n")
+    with watched_opens(path) as strayed:
+        read_surface_mesh(path)
+    assert not [name for name in strayed if name.startswith(str(tmp_path))]

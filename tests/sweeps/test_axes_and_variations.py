@@ -1,6 +1,7 @@
 """Axes, their combinations and constraints: the values of every variation."""
 
 import re
+import time
 from itertools import product
 
 import pytest
@@ -124,6 +125,12 @@ def test_random_values_lie_within_their_bounds_and_follow_the_seed():
         ("[axes]\ndesign.rows = []\n", "has 0 values, must have 1 to"),
         ("[axes]\ndesign.rows = 4\n", "must be a list of values"),
         ("[axes]\ndesign.rows = [2, 2]\n", "2 is listed twice"),
+        ('[axes]\ndesign.rows = [2, 3]\n"design.rows" = [2, 4]\n', "design.rows is there 2 times"),
+        (
+            'combine = "latin_hypercube"\ncount = 5000001\n[axes]\n'
+            "design.rows = [2, 3]\ndesign.columns = [2, 3]\n",
+            "count = 5000001 must be at most 5000000",
+        ),
         ("[axes]\ndesign.rows = [[1, 2]]\n", "must be a number, text, true or false"),
         (
             "[axes]\ndesign.rows = { from = 2, to = 8, steps = 5 }\n",
@@ -169,6 +176,24 @@ def test_too_many_variations_are_refused_with_their_count(tmp_path):
     many = "[axes]\n" + "".join(f"design.k{i} = [0.0]\n" for i in range(1000))
     with pytest.raises(InvalidJob, match="has 1000 axes, must have at most 50"):
         swept(tmp_path, many)
+
+
+def test_long_lists_take_no_time_that_grows_with_their_square(tmp_path):
+    begin = time.process_time()
+    text = f"[axes]\ndesign.rows = {list(range(2, 100_002))}\n"
+    assert swept(tmp_path, text)[1].whole == 100_000
+    assert time.process_time() - begin < 10
+
+
+def test_constraints_of_texts_and_endless_numbers_are_refused():
+    keys = ["design.rows", "design.kind"]
+    values = {"design.rows": 3, "design.kind": "miura"}
+    for text in ("kind <= 'x'", "rows <= 9**999", "rows ** 9999999 < 1", "'x' * 9999999 > kind"):
+        constraint = Constraint(text, keys)
+        with pytest.raises(InvalidJob, match=r"^constraint .*: cannot be evaluated: .+\.$"):
+            constraint.excess(values)
+    with pytest.raises(InvalidJob, match="has 5000 letters, must have at most 1000"):
+        Constraint("rows < 2" + " " * 4992, keys)
 
 
 def test_constraints_run_no_code():

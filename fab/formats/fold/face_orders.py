@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, Severity
+from fab.formats.fold.number_rows import number_rows
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import BoolArray, FloatArray, IntArray
 
@@ -48,10 +49,7 @@ def read_face_orders(
     way round in the pattern. Rows of faces that the pattern does not have are left out.
     """
     none = np.empty((0, 3), np.int64)
-    try:
-        found = np.array(rows)
-    except ValueError:
-        found = np.array(["ragged"])
+    found = number_rows(rows if isinstance(rows, list) else ["ragged"])
     fits = found.ndim == 2 and found.shape[1] == 3 and found.dtype.kind == "i"
     if fits:
         first, second, side = found.T

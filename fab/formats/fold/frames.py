@@ -15,6 +15,7 @@ from fab.errors import Finding, InvalidFile, Severity
 from fab.files import require_file
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold.flat_frames import FlatSheet, flat_sheet, is_open
+from fab.formats.fold.number_rows import number_rows
 from fab.formats.fold.unfolding import unfolded
 from fab.formats.json_files import read_json
 from fab.formats.pattern_file import State
@@ -305,10 +306,7 @@ def _resolved(path: Path, frames: list[Any]) -> list[dict[str, Any]]:
 def frame_coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
     """The points of a frame, shape (nv, 3); z = 0 where they are plane."""
     rows = frame_list(path, frame, "vertices_coords", [])
-    try:
-        found = np.array(rows)
-    except ValueError:
-        found = np.array(["ragged"])
+    found = number_rows(rows)
     if rows and found.dtype.kind not in "iuf":
         raise InvalidFile(
             f"{path}: vertices_coords of the {what} must be numbers, all points alike in length."
@@ -325,10 +323,7 @@ def frame_coords(path: Path, frame: dict[str, Any], what: str) -> FloatArray:
 def frame_pairs(path: Path, frame: dict[str, Any], count: int) -> IntArray:
     """edges_vertices whose vertices run up to `count`, shape (ne, 2)."""
     rows = frame_list(path, frame, "edges_vertices", [])
-    try:
-        pairs = np.array(rows)
-    except (ValueError, OverflowError):
-        pairs = np.array(["ragged"])
+    pairs: IntArray = number_rows(rows)
     if rows and (pairs.shape != (len(rows), 2) or pairs.dtype.kind != "i"):
         for number, row in enumerate(rows):
             if not isinstance(row, list) or len(row) != 2 or any(type(v) is not int for v in row):

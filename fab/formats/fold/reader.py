@@ -45,6 +45,7 @@ from fab.formats.fold.frames import (
 )
 from fab.formats.pattern_file import PatternFile
 from fab.formats.read_options import ReadOptions
+from fab.formats.source_files import shown
 from fab.formats.strictness import require_no_repairs
 from fab.formats.units import unit_named, unit_unknown
 from fab.geometry.arrangement import Arrangement
@@ -314,10 +315,17 @@ def _scale(path: Path, frame: dict[str, Any], options: ReadOptions) -> tuple[flo
     return _DEFAULT_MM, [unit_unknown("the file names no unit: one unit", _DEFAULT_MM)]
 
 
+def _briefly(value: Any) -> str:
+    """A value of the file for a message, short whatever it is."""
+    return str(value) if isinstance(value, float | int | None) else shown(str(value))
+
+
 def _mm(path: Path, frame: dict[str, Any]) -> float:
     unit = frame["frame_unit"]
     if not isinstance(unit, str) or unit not in _MM:
-        raise InvalidFile(f"{path}: frame_unit = {unit!r} must be one of unit, {', '.join(_MM)}.")
+        raise InvalidFile(
+            f"{path}: frame_unit = {_briefly(unit)} must be one of unit, {', '.join(_MM)}."
+        )
     return _MM[unit]
 
 
@@ -351,7 +359,8 @@ def _letters(path: Path, frame: dict[str, Any], count: int) -> tuple[Letters, li
             f"{path}: {len(found)} entries of edges_assignment for {count} edges. Give one for "
             "each edge, U where it is not known."
         )
-    given = np.array([str(letter) for letter in found])
+    # longer words are none of them, and would make the array as wide as they are
+    given = np.array([str(letter)[:2] for letter in found])
     upper = np.char.upper(given)
     unknown = ~np.isin(upper, list(LETTERS))
     odd = np.flatnonzero(unknown | (given != upper))
@@ -359,7 +368,7 @@ def _letters(path: Path, frame: dict[str, Any], count: int) -> tuple[Letters, li
     if len(odd):
         severity = Severity.WARNING if unknown.any() else Severity.NOTE
         text = (
-            f"{listed('edge', odd)}: the assignment {found[odd[0]]!r} is none of "
+            f"{listed('edge', odd)}: the assignment {_briefly(found[odd[0]])} is none of "
             f"{', '.join(LETTERS)}; lower case is taken for upper case, anything else for U "
             "(unassigned, not cut)."
         )
@@ -380,7 +389,8 @@ def _stored_angles(path: Path, frame: dict[str, Any], count: int) -> FloatArray:
     for number, angle in enumerate(found):
         if angle is not None and not (type(angle) in (int, float) and -180 <= angle <= 180):
             raise InvalidFile(
-                f"{path}: fold angle {angle} of edge {number} must be from -180 to 180 degrees."
+                f"{path}: fold angle {_briefly(angle)} of edge {number} must be from -180 to 180 "
+                "degrees."
             )
     return np.array([np.nan if angle is None else angle for angle in found], float)
 

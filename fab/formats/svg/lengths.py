@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from fab.errors import InvalidFile
+from fab.formats.source_files import shown
 from fab.formats.svg.viewports import is_length, numbers
 
 __all__ = ["require_lengths"]
@@ -37,14 +38,14 @@ def require_lengths(path: Path, name: str, tag: str, attributes: Mapping[str, st
         if text is None or is_length(text) or (key in _AUTOMATIC and text.strip() == "auto"):
             continue
         raise InvalidFile(
-            f"{path}: {key} = {text!r} of {name} is no length. Give a number, or a number with a "
-            "unit such as mm or %."
+            f"{path}: {key} = {shown(text)} of {name} is no length. Give a number, or a number "
+            "with a unit such as mm or %."
         )
     box = attributes.get("viewBox") if tag in _BOXED else None
     if box is not None and not _is_box(box):
         raise InvalidFile(
-            f"{path}: viewBox = {box!r} of {name} is no rectangle. Give four numbers: left, top, "
-            "and a width and a height over 0."
+            f"{path}: viewBox = {shown(box)} of {name} is no rectangle. Give four numbers: "
+            "left, top, and a width and a height over 0."
         )
 
 

@@ -22,6 +22,7 @@ from fab.formats.drawn.letters import unlettered_finding, unused_colours
 from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
+from fab.formats.source_files import shown
 from fab.formats.strictness import with_lost
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.safe_xml import Document, read_xml
@@ -68,7 +69,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     if local_name(root) != "svg":
         tag = root.tag.rpartition("}")[2]
         raise InvalidFile(
-            f"{path}: the outermost element is {tag!r}, not svg. Save the drawing as SVG."
+            f"{path}: the outermost element is {shown(str(tag))}, not svg. Save the drawing as SVG."
         )
     px_mm, of_program = _pixel(document)
     require_lengths(path, "the outermost svg", "svg", root.attrib)

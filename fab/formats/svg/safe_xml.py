@@ -13,7 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from fab.errors import InvalidFile
-from fab.formats.source_files import source_bytes
+from fab.formats.source_files import shown, source_bytes
 
 __all__ = ["DEEPEST", "MOST_BYTES", "MOST_ELEMENTS", "MOST_ENTITIES", "Document", "read_xml"]
 
@@ -137,8 +137,8 @@ def _inspected(data: bytes) -> str:
         if not plain or len(value or "") > _LONGEST_ENTITY:
             kind = "refers to another file" if value is None else "is no short plain text"
             raise _Refused(
-                f"the entity {name!r} {kind}; such entities are refused, as they can read other "
-                "files or fill the memory. Save the file as plain SVG."
+                f"the entity {shown(name)} {kind}; such entities are refused, as they can read "
+                "other files or fill the memory. Save the file as plain SVG."
             )
         entities[name] = len(value or "")
         if len(entities) > MOST_ENTITIES:

@@ -19,6 +19,7 @@ from fab.errors import InvalidFile
 from fab.formats.drawn.letters import colour_of, key_of, letter_of
 from fab.formats.drawn.line_soup import LETTERS
 from fab.formats.drawn.own_sheets import OPERATIONS
+from fab.formats.source_files import shown
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
 from fab.formats.svg.styles import local_name, style_sheets
@@ -157,7 +158,7 @@ def drawing_of(
         inner = _inherited(around, declared)
         identity = element.get("id", "")
         counts[tag] += 1
-        name = f"{tag} {identity!r}" if identity else f"{tag} {counts[tag]}"
+        name = f"{tag} {shown(identity)}" if identity else f"{tag} {counts[tag]}"
         if inner.visible and not inner.hidden:
             require_lengths(path, name, tag, element.attrib)
         if (text := declared.get("transform")) is not None:
@@ -274,7 +275,7 @@ def _used(
         return []
     found = known.get(target[1:])
     if found is None or context.uses >= DEEPEST_USE:
-        out.fault("use", f"use of {target!r}")
+        out.fault("use", f"use of {shown(target)}")
         return []
     width, height = context.size
     x, y = length_px(get("x"), width), length_px(get("y"), height)

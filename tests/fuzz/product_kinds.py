@@ -1,0 +1,110 @@
+"""Whole products of inputs with faults: sheets and panels of patterns, and the files of jobs."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fuzz.oracle import options_of
+from fuzz.seeds import fuzzed
+from fuzz.table_faults import Corpus
+from fuzz.trials import Kind
+
+from fab.drawings.drawing_files import SheetFormat
+from fab.jobs.job import Job, load_job
+from fab.jobs.job_files import make
+from fab.jobs.job_formats import Format
+from fab.jobs.print_files import make_thick
+from fab.jobs.reading import read_sheet
+from fab.jobs.sheet_files import fabricate
+from fab.jobs.thick_products import ThickFormat
+from fab.pattern.crease_pattern import CreasePattern
+from fab.printing.thick_settings import ThickSettings
+from fab.sheets.materials import load_machine, load_material
+from fab.sheets.sheet_request import SheetRequest
+
+__all__ = ["PRODUCT_KINDS"]
+
+Random = np.random.Generator
+# Larger patterns, and jobs of more quads, are left to other runs.
+_MOST_EDGES, _MOST_FACES, _MOST_QUADS = 200, 30, 1500
+_JOBS: tuple[dict[str, Any], ...] = tuple(
+    {
+        "name": "a",
+        "design": design,
+        "sheet": {"width_mm": 120.0},
+        "perforation": {
+            "margin_mm": 0.5,
+            "mountain": {"cut_mm": 3.0, "gap_mm": 1.0},
+            "valley": {"cut_mm": 1.0, "gap_mm": 1.0},
+            "bands": [{"from_deg": 0.0, "to_deg": 30.0, "valley": {"kind": "score"}}],
+            "relief": {"radius_mm": 1.0, "web_mm": 1.0},
+        },
+        "panels": {"thickness_mm": 0.8, "gap_mm": 0.4},
+        "hinges": {"web_mm": 0.2, "relief_mm": 0.1},
+    }
+    for design in (
+        {"kind": "miura", "columns": 4, "rows": 3, "fold_deg": 40.0},
+        {"kind": "rigid_miura", "columns": 4, "rows": 4, "fold_deg": 90.0},
+        {"kind": "cornered_miura", "columns": 6, "rows": 6, "corner_column": 2, "corner_row": 2},
+        {"kind": "random_tube", "sides": 5, "strips": 2, "random_seed": 3},
+        {"kind": "curved_fold"},
+        {"kind": "strip_by_strip"},
+        {"kind": "shaped_ribbon"},
+    )
+)
+
+
+@cache
+def _usual() -> SheetRequest:
+    material, machine = load_material("card_300gsm"), load_machine("co2_60w_600x400")
+    return SheetRequest(material, machine, formats=[SheetFormat.DXF], page=False)
+
+
+def _read(path: Path, random: Random) -> CreasePattern | None:
+    width = None if random.integers(3) == 0 else float(random.uniform(20, 300))
+    pattern = read_sheet(path, options_of(random), width_mm=width).pattern
+    return pattern if len(pattern.edges_vertices) <= _MOST_EDGES else None
+
+
+def _sheet(path: Path, random: Random) -> str:
+    pattern = _read(path, random)
+    return "" if pattern is None else str(len(fabricate(pattern, "a", _usual()).files))
+
+
+def _panels(path: Path, random: Random) -> str:
+    pattern = _read(path, random)
+    if pattern is None or pattern.face_count > _MOST_FACES:
+        return ""
+    return str(len(make_thick(pattern, "a", ThickSettings(), formats=[ThickFormat.STL]).files))
+
+
+@cache
+def _corpus() -> Corpus:
+    return Corpus(_JOBS)
+
+
+def _made(path: Path, random: Random) -> str:
+    job = load_job(path)
+    if _quads(job) > _MOST_QUADS or job.simulation is not None or job.cutter is not None:
+        return ""
+    return str(len(make(job, [Format.FOLD, Format.DXF]).files))
+
+
+def _quads(job: Job) -> float:
+    """About how many quads a job grows, by the products of its whole numbers."""
+    design = job.design.model_dump()
+    if design["kind"] in ("surface_fit", "crumpled", "brownian_ribbon"):
+        return float("inf")
+    keys = ("columns", "rows", "strips", "sides", "quads", "steps", "turns")
+    return float(np.prod([max(float(design[key]), 1.0) for key in keys if design.get(key)]))
+
+
+_SLOW: dict[str, Any] = {"seconds": 120.0, "memory_mb": 600.0, "opens": True}
+PRODUCT_KINDS = (
+    Kind("sheet", "fuzzed.fold", partial(fuzzed, "fold"), _sheet, **_SLOW),
+    Kind("panels", "fuzzed.fold", partial(fuzzed, "fold"), _panels, **_SLOW),
+    Kind("made-job", "job.toml", lambda random: _corpus().written(random), _made, **_SLOW),
+)
