@@ -11,8 +11,8 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
-from fab.errors import InvalidJob, did_you_mean, nearest
-from fab.files import require_file
+from fab.errors import InvalidJob, counted, did_you_mean, nearest
+from fab.files import require_file, shortened
 
 __all__ = [
     "DEEPEST",
@@ -30,6 +30,8 @@ __all__ = [
 LARGEST_BYTES = 1_000_000
 DEEPEST = 50
 _LONGEST_SHOWN = 80
+# Keys at fault that an error lists.
+_MOST_LISTED = 50
 
 # What a number must be, and what other values must, by pydantic's name of the error.
 _NUMBERS = {
@@ -148,6 +150,9 @@ def checked(model: type[Table], document: Mapping[str, Any], source: str, cure: 
             for place, errors in found.items()
             if place not in whole or errors[0]["type"] not in _NUMBERS | _OTHERS
         ]
+        if len(lines) > _MOST_LISTED:
+            more = len(lines) - _MOST_LISTED
+            lines[_MOST_LISTED:] = [f"{counted(more, 'other key is', 'other keys are')} at fault."]
         raise InvalidJob(f"{source}: " + "\n".join(lines)) from error
 
 
@@ -163,7 +168,7 @@ def _refusal(
     errors : one, or one for each of the choices that the value has.
     """
     error = errors[0]
-    key = ".".join(place)
+    key = ".".join(map(shortened, place))
     kind, value = error["type"], error.get("input")
     field, annotation = _field(model, place, document)
     if kind == "extra_forbidden":

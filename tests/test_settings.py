@@ -105,6 +105,20 @@ def test_every_fault_is_named_with_its_bound_and_cure():
         checked(Machine, {}, "mine.toml", "Begin anew.")
 
 
+def test_errors_list_the_first_of_many_keys_and_shorten_long_ones():
+    _, document = DOCUMENTS[0]
+    many = {**document, "outputs": ["x", "dxf"] * 1000}
+    with pytest.raises(InvalidJob) as caught:
+        checked(Job, many, "mine.toml", "Begin anew.")
+    lines = str(caught.value).splitlines()
+    assert len(lines) == 51
+    assert lines[0].startswith("mine.toml: outputs.0 = 'x' is out of bounds")
+    assert lines[-1] == "950 other keys are at fault."
+    with pytest.raises(InvalidJob) as caught:
+        checked(Job, {**document, "x" * 10**5: 1}, "mine.toml", "Begin anew.")
+    assert len(str(caught.value)) < 1000
+
+
 @pytest.mark.parametrize("document", [[], None, 3])
 def test_documents_that_are_no_tables_are_refused(document):
     with pytest.raises(InvalidJob, match=rf"^job: {re.escape(str(document))} must be a table of"):
