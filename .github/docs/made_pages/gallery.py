@@ -13,8 +13,8 @@ from fab.settings import read_toml
 
 __all__ = ["gallery_pages", "results_made", "wanted_results"]
 
-# Templates whose result pages are made by every build, in a few seconds each; all others where
-# QUADFOLD_GALLERY = all, which takes a long time.
+# Templates whose result pages take a few seconds each: where QUADFOLD_GALLERY = short, as in CI,
+# only theirs are made; those of all take some minutes.
 SHORT = ("miura", "rigid_miura", "cornered_miura", "strip_by_strip", "random_tube", "curved_fold")
 _ABOUT = {
     "To use": "Things to make: copy one, give it your size and your stock.",
@@ -24,8 +24,8 @@ _ABOUT = {
 
 
 def wanted_results() -> tuple[str, ...]:
-    """Templates whose result pages are made: QUADFOLD_GALLERY is short, all or none."""
-    wanted = os.environ.get("QUADFOLD_GALLERY", "short")
+    """Templates whose result pages are made: QUADFOLD_GALLERY is all, short or none."""
+    wanted = os.environ.get("QUADFOLD_GALLERY", "all")
     return {"short": SHORT, "all": tuple(shipped("jobs")), "none": ()}[wanted]
 
 
