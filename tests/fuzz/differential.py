@@ -56,6 +56,7 @@ from fab.outputs import Made
 from fab.pattern.crease_pattern import CreasePattern, scaled
 from fab.printing.printers import load_print_material, load_printer
 from fab.printing.thick_settings import PrintWith, ThickSettings
+from fab.settings import checked
 from fab.sheets.cut_wishes import CutWishes
 from fab.sheets.materials import Powers, load_machine, load_material
 from fab.sheets.registration import Registration
@@ -247,7 +248,8 @@ def _solids(random: Random) -> Callable[[], Made]:
     panels: dict[str, Any] = {"thickness_mm": round(float(random.uniform(0.8, 3.0)), 2)}
     if kind == "knuckle":
         panels["axis"] = "middle"
-    settings = ThickSettings.model_validate({"panels": panels, "hinges": {"kind": kind}})
+    tables = {"panels": panels, "hinges": {"kind": kind}}
+    settings = checked(ThickSettings, tables, "a", "Give it.")
     print_with = PrintWith()
     if random.integers(3) == 0:
         printer = load_printer(_of(random, sorted(known_of("printer"))))
