@@ -22,6 +22,12 @@ from PIL import Image
 RIM = 12
 
 
+def _heeds_signals():
+    """What runs in the background of a shell ignores Ctrl-C, and with nohup a closed terminal."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 class Served:
     """The command, and the address that it prints."""
 
@@ -32,8 +38,7 @@ class Served:
             env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
             stdout=subprocess.PIPE,
             text=True,
-            # what runs in the background of a shell ignores Ctrl-C
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+            preexec_fn=_heeds_signals,
         )
         guard = threading.Timer(60, self.process.kill)
         guard.start()

@@ -93,7 +93,8 @@ def test_a_pair_of_obj_files_comes_back_as_it_was(here):
         ("v 0 0 0\nf 1 a 3\n", "line 2: a face needs numbers of points, not 'f 1 a 3'"),
         ("v 0 0 0\nf 0 1 1\n", "line 2: a face needs"),
         ("v 0 0 0\n", "no faces"),
-        ("", "no faces"),
+        ("# of a model\n", "no faces"),
+        ("", "the file is empty"),
     ],
 )
 def test_what_is_no_obj_file_is_refused_with_its_line(tmp_path, text, match):
