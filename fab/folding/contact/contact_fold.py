@@ -50,11 +50,13 @@ REACH_LAST = 1e-5
 _REACHES_LAST = (1e-4, REACH_LAST)
 # Most steps at each load: a sheet that needs more is jammed.
 _MOST = 40
-# Below the full load the sheet is at rest where a step lowers the energy by less than this share.
+# Below the full load a sheet that does not press is at rest where a step lowers the energy by less
+# than this share.
 _SETTLED = 1e-4
 # And while layers that are at rest come nearer at the full load.
 _MOST_NEARER = 40
-# They are near enough where a step lowers the energy by less than this share.
+# They are near enough, and what presses on its way is at rest, where a step lowers the energy by
+# less than this share.
 _NEARER = 1e-3
 # A crease that lags farther behind, while faces press on each other, does not come after.
 _JAMMED_RAD = np.radians(90.0)
@@ -181,7 +183,10 @@ class _Course:
         angles = self._frame.angles_near(before, target - part * rate)
         acting = [*self._others, self._contact]
         start = self._predicted(before, angles, part * rate, target, watch)
-        rest = self._relaxed(start, target, self._contact, watch)
+        rest = self._relaxed(start, target, self._contact, watch, settled=_NEARER)
+        if rest.settled and not self.presses(rest.coords):
+            again = self._relaxed(rest.coords, target, self._contact, watch)
+            rest = _joined(rest, again)
         if share < 1 or not rest.settled:
             return rest
         if not len(self._contact.touching(rest.coords).room):
