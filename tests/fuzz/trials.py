@@ -15,7 +15,7 @@ import traceback
 import unicodedata
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,6 +84,7 @@ def trial_of(kind: Kind, data: bytes, random: np.random.Generator, folder: Path)
     path.write_bytes(data)
     twice = random.integers(32) == 0
     drawn = random.bit_generator.state
+    _forget_most()
     before = _most_mb()
     begin = time.process_time()
     outcome, text = _answer(kind, path, random)
@@ -145,8 +146,14 @@ def _within(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
+def _forget_most() -> None:
+    """Begin to count anew, where the system can: what an input before took hides nothing."""
+    with suppress(OSError):
+        _STATUS.with_name("clear_refs").write_text("5")
+
+
 def _most_mb() -> float:
-    """Memory that the process has had at most."""
+    """Memory that the process has had at most, since it was forgotten."""
     if not _STATUS.is_file():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     found = re.search(rb"VmHWM:\s*(\d+)", _STATUS.read_bytes())
