@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 from flat_patterns import pattern_of
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from manifold3d import Error
 from pydantic import ValidationError
@@ -59,6 +59,18 @@ def halfspaces(pattern, back, heights, face):
     return np.array(out)
 
 
+# Its panel loses a side just below its upper end.
+SHORT_SIDE = np.array(
+    [
+        [4.98791841, 2.50430397],
+        [-7.20775094, 1.38978385],
+        [-7.20775094, -1.38978385],
+        [-1.78016747, -3.12281597],
+        [8.0, 0.0],
+    ]
+)
+
+
 def test_inset_of_a_square_with_its_own_setbacks():
     square = np.array([[0.0, 0], [10, 0], [10, 10], [0, 10]])
     moved, kept = inset(square, np.array([0, 4]), np.array([1.0, 2.0, 0.0, 0.5]))
@@ -83,21 +95,25 @@ def test_inset_at_reflex_and_straight_corners():
 
 @settings(max_examples=25)
 @given(polygons(), st.floats(-120.0, 120.0), AXES, st.floats(0.1, 1.0))
+@example(np.array([[0.0, 3.5], [-8.0, 0.0], [8.0, 0.0]]), 72.0, (0.0, 1.6), 1.0)  # nearly vanishes
+@example(SHORT_SIDE, 74.0, (0.0, 1.6), 1.0)
 def test_volume_is_that_of_sections_with_mitred_corners(ring, angle, heights, gap):
     pattern = ringed(ring, angle)
     back = backs(pattern, heights, gap)
     panels, findings = make_panels(pattern, heights, back)
     assume(not findings)
     edge = int(np.flatnonzero(back.above + back.below)[0]) if angle else 0
+
+    def section(z, further=0.0):
+        setback = float(back.at(z)[edge]) + further
+        return shapely.Polygon(ring).buffer(-setback, join_style="mitre", mitre_limit=1e6)
+
     levels = sorted({heights[0], heights[1], *([0.0] if heights[0] < 0 < heights[1] else [])})
+    # what vanishes on the way, or nearly so, is tested below
+    assume(all(len(shapely.get_coordinates(section(z, 0.05))) == len(ring) + 1 for z in levels))
     exact = 0.0
     for low, high in pairwise(levels):
-        areas = [
-            shapely.Polygon(ring)
-            .buffer(-float(back.at(z)[edge]), join_style="mitre", mitre_limit=1e6)
-            .area
-            for z in (low, (low + high) / 2, high)
-        ]
+        areas = [section(z).area for z in (low, (low + high) / 2, high)]
         exact += (high - low) * (areas[0] + 4 * areas[1] + areas[2]) / 6  # exact for parabolas
     assert panels.faces[0] == 0
     assert panels.bodies.volumes_mm3()[0] == pytest.approx(exact, rel=1e-6)  # of the buffer
