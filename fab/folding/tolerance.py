@@ -15,8 +15,9 @@ _PER_DEG = 1e-3
 _CLOSURE_PER_DEG = 1e-2
 # Layers that lie on each other keep a distance h, relative to the sheet. A layer within a fold
 # moves out of its crease by x, where both sides have the angle h / x between them: what bends and
-# what stretches balance at x ~ sqrt(h), so that angles, in radians, and the shape are off by about
-# as much, and strains by less (measured on bases and twists).
+# what stretches balance at x ~ sqrt(h), so that angles, in radians, the shape and strains are off
+# by about as much. For h from 1e-6 to 1e-4, angles of a bird base by 2.7 sqrt(h) and its strain by
+# 0.34 sqrt(h); those of a maze, whose creases hold more layers, by 4.9 and 0.89.
 _LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 5.0, 1.0, 1.0
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
-from fab.folding.contact import past_contact
+from fab.folding.contact import contact_fold, past_contact
 from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
 from fab.folding.contact.contact import Contact
@@ -405,3 +405,14 @@ def test_the_flat_sheet_feels_no_contact():
         contact = Contact(surface_of(frame, 5.0), 1e-3, 1.0)
         assert contact.energy(frame.vertices_coords) == 0
         assert len(contact.touching(frame.vertices_coords).room) == 0
+
+
+@pytest.mark.parametrize(("name", "off"), [("bird_base", 2.69), ("maze", 4.9)])
+def test_angles_are_off_by_the_root_of_what_layers_are_apart(name, off, monkeypatch):
+    """In radians and relative to the sheet: what the tolerance of folds in contact rests on."""
+    frame = framework(read_pattern(PATTERNS / f"{name}.fold")[0])
+    for reaches in ((1e-4,), (1e-4, 1e-5), (1e-4, 1e-5, 1e-6)):
+        monkeypatch.setattr(contact_fold, "_REACHES_LAST", reaches)
+        verdict = judge(fold_in_contact(frame))
+        share = np.radians(verdict.angle_error_max_deg) / np.sqrt(reaches[-1])
+        assert share == pytest.approx(off, rel=0.02)

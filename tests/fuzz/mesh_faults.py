@@ -150,7 +150,7 @@ def _glb(random: Random, data: bytes) -> bytes:
                 ),
             )
             text = json.dumps(document | extra).encode()
-        except (ValueError, TypeError, RecursionError):
+        except (ValueError, TypeError, RecursionError):  # no JSON since a fault before: as it is
             pass
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I", len(text)) + b"JSON" + text + rest

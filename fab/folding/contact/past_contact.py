@@ -19,7 +19,7 @@ from fab.folding.quasi_static import Folding
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import Verdict, judge
 from fab.pattern.overlap import overlapping_faces
-from fab.progress import Progress, Steps
+from fab.progress import Progress
 from solver.vectors import IntArray
 
 __all__ = ["flat_overlaps", "fold_past_contact"]
@@ -55,18 +55,25 @@ def fold_past_contact(
     over = flat_overlaps(frame)
     if len(over):
         return free, verdict, [_not_possible(over)]
-    work, share = Work(_MOST_PAIRS), _Share(progress)
-    runs = partial(fold_in_contact, frame, settings.steps, settings.thickness_mm, work=work)
+    watch = _Watch(progress)
+    runs = partial(
+        fold_in_contact,
+        frame,
+        settings.steps,
+        settings.thickness_mm,
+        watch,
+        work=Work(_MOST_PAIRS),
+    )
     try:
-        first = made = runs(share.of("contact"))
+        first = made = runs()
     except OutOfWorkError:
-        return free, verdict, [_not_finished(share.done)]
+        return free, verdict, [_not_finished(watch.share)]
     judged = judge(made, tolerance)
     tried, iterations = 1, free.iterations + made.iterations
     if verdict.reached and not judged.reached and len(frame.hinges_edge) <= _MOST_HINGES:
         with suppress(OutOfWorkError):
             for path in fold_orders(frame, partial(progress, "order")):
-                made = runs(share.of("contact"), path)
+                made = runs(path=path)
                 tried, iterations = tried + 1, iterations + made.iterations
                 judged = judge(made, tolerance)
                 if judged.reached:
@@ -83,20 +90,15 @@ def fold_past_contact(
     return free, replace(verdict, stopped=stop, iterations=iterations), findings
 
 
-class _Share:
+class _Watch:
     """Progress of folds in contact, and the share that the last one came to."""
 
     def __init__(self, progress: Progress) -> None:
-        self._progress, self.done = progress, 0.0
+        self._progress, self.share = progress, 0.0
 
-    def of(self, stage: str) -> Steps:
-        """Progress of a stage."""
-
-        def report(done: float, total: int) -> None:
-            self.done = done / total
-            self._progress(stage, done, total)
-
-        return report
+    def __call__(self, done: float, total: int) -> None:
+        self.share = done / total
+        self._progress("contact", done, total)
 
 
 def flat_overlaps(frame: Framework) -> IntArray:
