@@ -49,7 +49,7 @@ _REACH_OF_SIDE = 0.02
 REACH_LAST = 1e-5
 _REACHES_LAST = (1e-4, REACH_LAST)
 # Most steps at each load: a sheet that needs more is jammed.
-_MOST = 40
+_MOST = 30
 # Below the full load a sheet that does not press is at rest where a step lowers the energy by less
 # than this share.
 _SETTLED = 1e-4
@@ -246,8 +246,9 @@ class _Course:
             watch(0)
             share = min(done + part, 1.0)
             turned = aligned(self._predictor.coords(angles + share * turn), there)
-            if free_share(acting, there, turned - there) < 1:
-                part /= 2
+            way = free_share(acting, there, turned - there)
+            if way < 1:
+                part *= min(way, 0.5)
             else:
                 there, done, part = turned, share, min(2 * part, longest)
         energies = [energy_of(self._frame, x, target, acting).total for x in (there, before)]
@@ -279,21 +280,23 @@ class _Course:
     ) -> Stop | None:
         """Where faces began to press on each other, from `before` to `pressed`, a load later."""
         low, high = (number - 1) / self._loads, number / self._loads
+        met: FloatArray | None = None
         for _ in range(_HALVINGS):
             share = (low + high) / 2
-            alone = self._alone(before, share, share - low, watch)
-            if alone is None:
-                high = share
+            there = self._alone(before, share, share - low, watch)
+            if self.presses(there):
+                high, met = share, there
             else:
-                low, before = share, alone
-        found = aligned(self.rest(before, high, high - low, watch).coords, before)
-        stop = stop_at(self._frame, self._contact, found, high)
+                low, before = share, there
+        if met is None:
+            met = self._alone(before, high, high - low, watch)
+        stop = stop_at(self._frame, self._contact, met, high)
         return stop or stop_at(self._frame, self._contact, pressed, number / self._loads)
 
     def _alone(
         self, before: FloatArray, share: float, part: float, watch: Callable[[int], None]
-    ) -> FloatArray | None:
-        """The sheet at rest at a share without contact; None where faces press before it."""
+    ) -> FloatArray:
+        """The sheet at rest at a share without contact, or where faces first press before it."""
         target, rate = path_at(self._path, share)
         angles = self._frame.angles_near(before, target - part * rate)
         turned = aligned(self._predictor.coords(angles + part * rate), before)
@@ -312,8 +315,14 @@ class _Course:
             most=_MOST_ALONE,
         )
         there = aligned(rest.coords, before)
-        free = self._contact.longest_step(before, there - before) == 1
-        return there if free and not self.presses(there) else None
+        for _ in range(_MOST_PARTS):
+            way = self._contact.longest_step(before, there - before)
+            if way == 1:
+                return there
+            before = before + way * (there - before)
+            if self.presses(before):
+                return before
+        return before
 
 
 def _joined(first: Rest, then: Rest) -> Rest:
