@@ -50,7 +50,7 @@ class Finding:
     code : stable name of the kind of finding, such as "development-overlaps".
     text : what, where, how much, and what helps.
     creases, panels : numbers of the edges and faces it names (the first of them where many).
-    places : where it is in a drawing that was read, mm, as in its text (the first where many).
+    places : where it is in a drawing that was read, mm, y upwards (the first where many).
     """
 
     code: str

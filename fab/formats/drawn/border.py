@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fab.errors import InvalidFile, Severity, counted
-from fab.formats.drawn.lines import Lines, Repair, place_of
+from fab.formats.drawn.lines import Lines, Repair
 from fab.formats.read_options import ReadOptions
 from fab.geometry.planar_graph import without_dangling
 from fab.geometry.planar_regions import points_within, regions_of
@@ -143,7 +143,7 @@ def _refuse_gap(lines: Lines, ends: IntArray) -> None:
     if len(ends) == 1:
         raise InvalidFile(
             f"{lines.path}: the outline is open at {lines.name(rows[0])}: it ends at "
-            f"{place_of(points[0])}. Go on to another border, or make it a cut (C), as "
+            f"{lines.point(points[0])}. Go on to another border, or make it a cut (C), as "
             "--inner-border cut does."
         )
     apart, other = cKDTree(points).query(points, k=2)
@@ -154,12 +154,12 @@ def _refuse_gap(lines: Lines, ends: IntArray) -> None:
     if rows[first] == rows[second]:
         raise InvalidFile(
             f"{lines.path}: {lines.name(rows[first])} is a border that joins no other, from "
-            f"{place_of(points[first])} to {place_of(points[second])}. Remove it, or make it a "
-            f"crease or a cut (C), as --inner-border cut does.{more}"
+            f"{lines.point(points[first])} to {lines.point(points[second])}. Remove it, or make it "
+            f"a crease or a cut (C), as --inner-border cut does.{more}"
         )
     raise InvalidFile(
         f"{lines.path}: the outline is open at {lines.name(rows[first])}: a gap of {gap:.4g} mm "
-        f"between {place_of(points[first])} and {place_of(points[second])} "
+        f"between {lines.point(points[first])} and {lines.point(points[second])} "
         f"({lines.name(rows[second])}). Close it, give --merge-mm {gap * 1.01:.3g} or more, or "
         f"make what ends within the sheet a cut (C), as --inner-border cut does.{more}"
     )

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from fab.errors import Finding, Severity, counted, first_few
 from fab.formats.drawn.fold_angles import full_fold_deg
-from fab.formats.drawn.lines import Lines, listed, place_of
+from fab.formats.drawn.lines import Lines, listed
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.forced_letters import ForcedLetters, forced_letters, with_letters
+from solver.vectors import FloatArray
 
 __all__ = ["lettered"]
 
 
 def lettered(
-    pattern: CreasePattern, lines: Lines, options: ReadOptions
+    pattern: CreasePattern, lines: Lines, origin: FloatArray, options: ReadOptions
 ) -> tuple[CreasePattern, list[Finding]]:
     """The pattern with the letters that follow from the others, where `options.assign`.
 
-    lines : the edges of the pattern, in its order. Without the option a finding says how many
-    could be assigned.
+    lines : the edges of the pattern, in its order. origin : its lower left corner in the file, mm,
+    shape (2,). Without the option a finding says how many could be assigned.
     """
     if not (pattern.edges_assignment == "U").any():
         return pattern, []
@@ -45,7 +46,7 @@ def lettered(
         findings.append(Finding("letters-assigned", Severity.NOTE, text, creases))
     wrong = forced.contradictory
     if len(wrong):
-        where = place_of(pattern.vertices_coords[wrong[0]])
+        where = lines.point(origin + pattern.vertices_coords[wrong[0]])
         several = len(wrong) > 1
         text = (
             f"{listed('vertex', wrong, 'vertices')}, {'the first ' if several else ''}at {where}: "

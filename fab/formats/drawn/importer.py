@@ -99,6 +99,7 @@ def _lines_of(soup: LineSoup) -> Lines:
         number,
         soup.elements,
         soup.lines_element,
+        soup.downwards,
     )
 
 

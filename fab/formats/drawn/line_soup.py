@@ -45,6 +45,7 @@ class LineSoup:
         "line 17".
     mm_per_unit : millimetres per unit of the drawing; None where it names no unit.
     findings : what the reader left out, assumed or approximated.
+    downwards : whether y points down in the file: places in messages are those of the file.
     border_is_cut : whether the format has one letter for borders and cuts, so that a border within
         the sheet is a cut.
     """
@@ -58,6 +59,7 @@ class LineSoup:
     elements: tuple[str, ...]
     mm_per_unit: float | None
     findings: tuple[Finding, ...] = ()
+    downwards: bool = False
     border_is_cut: bool = False
 
 

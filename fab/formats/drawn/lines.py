@@ -12,7 +12,7 @@ from fab.errors import Finding, Severity, first_few
 from fab.formats.drawn.line_soup import Letters
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Faces", "Lines", "Repair", "listed", "place_of", "places_of"]
+__all__ = ["Faces", "Lines", "Repair", "listed", "places_of"]
 
 # A finding has up to this many places; its text has the count of all.
 _PLACES = 200
@@ -30,6 +30,7 @@ class Lines:
     number : what findings call the edges: their numbers in a FOLD file, shape (n,).
     planar : numbers of the edges in the planar graph of the file's lines, shape (n,).
     elements, element : of drawings, what the file calls its elements, and that of each edge.
+    downwards : whether y points down in the file, and so in messages.
     """
 
     path: Path
@@ -41,6 +42,7 @@ class Lines:
     planar: IntArray
     elements: tuple[str, ...] = ()
     element: IntArray | None = None
+    downwards: bool = False
 
     def part(self, which: IntArray | BoolArray) -> Lines:
         """Some of the lines."""
@@ -75,8 +77,13 @@ class Lines:
         return f"{len(rows)} edges, the first of {self.name(rows[0])} at {self.place(rows[0])},"
 
     def place(self, row: int) -> str:
-        """The middle of a line."""
-        return place_of(self.coords[self.pairs[row]].mean(axis=0))
+        """The middle of a line, in messages."""
+        return self.point(self.coords[self.pairs[row]].mean(axis=0))
+
+    def point(self, point: FloatArray) -> str:
+        """A point in messages, as the file has it."""
+        x, y = point * [1.0, -1.0] if self.downwards else point
+        return f"({x:.6g}, {y + 0.0:.6g}) mm"
 
     def middles(self, rows: IntArray | BoolArray) -> FloatArray:
         """The middles of some of the lines, shape (n, 2)."""
@@ -104,7 +111,7 @@ class Faces:
 class Repair:
     """A finding about edges of the planar graph, which are not yet those of the pattern.
 
-    places : in the drawing, mm, shape (n, 2).
+    places : in the drawing, mm, y upwards, shape (n, 2).
     """
 
     code: str
@@ -132,9 +139,3 @@ def listed(kind: str, numbers: IntArray | Sequence[int], several: str = "") -> s
 def places_of(points: FloatArray) -> tuple[tuple[float, float], ...]:
     """The first 200 of some points, shape (n, 2), as a finding lists them."""
     return tuple((float(x), float(y)) for x, y in points[:_PLACES])
-
-
-def place_of(point: FloatArray) -> str:
-    """A point in messages."""
-    x, y = point
-    return f"({x:.6g}, {y:.6g}) mm"

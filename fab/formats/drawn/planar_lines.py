@@ -8,7 +8,7 @@ import numpy as np
 
 from fab.errors import InvalidFile, Severity, counted
 from fab.formats.drawn.line_soup import UNLETTERED, Letters
-from fab.formats.drawn.lines import Lines, Repair, place_of
+from fab.formats.drawn.lines import Lines, Repair
 from fab.formats.drawn.tolerance import Tolerance
 from fab.geometry.arrangement import Arrangement, arrangement
 from solver.errors import InvalidState
@@ -137,8 +137,8 @@ def _refuse_both(named: Lines, graph: Arrangement, edge: int, count: int) -> Non
     more = f" and {count - 1} more of these" if count > 1 else ""
     raise InvalidFile(
         f"{named.path}: {named.name(mountain)} is a mountain and {named.name(valley)} a valley in "
-        f"the same place, from {place_of(places[0])} to {place_of(places[1])}{more}. Remove one "
-        "of them."
+        f"the same place, from {named.point(places[0])} to {named.point(places[1])}{more}. Remove "
+        "one of them."
     )
 
 
@@ -162,7 +162,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             point = graph.lines_coords[own[0], end[0]]
             text = (
                 f"{counted(len(own), 'end')} of lines {what} up to {moved[chosen].max():.4g} mm "
-                f"away, the first of {named.name(own[0])} at {place_of(point)} {within}."
+                f"away, the first of {named.name(own[0])} at {named.point(point)} {within}."
             )
             edges = row_of[np.unique(own)]
             places = graph.lines_coords[own, end]
@@ -177,7 +177,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
             )
             if len(found)
         ]
-        first = place_of(graph.vertices_coords[split[0]])
+        first = named.point(graph.vertices_coords[split[0]])
         text = f"lines are split at {' and '.join(parts)}, the first at {first}."
         edges = np.flatnonzero(np.isin(graph.edges_vertices, split).any(axis=1))
         places = graph.vertices_coords[split]
@@ -188,7 +188,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
         text = (
             "lines that pass each other's ends or crossings nearly in one point meet there, bent "
             f"by up to {bent[1][worst]:.4g} mm, at "
-            f"{place_of(graph.vertices_coords[bent[0][worst]])} {within}."
+            f"{named.point(graph.vertices_coords[bent[0][worst]])} {within}."
         )
         edges = np.flatnonzero((graph.edges_vertices == bent[0][worst]).any(axis=1))
         places = graph.vertices_coords[bent[0][[worst]]]
@@ -196,7 +196,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
     repeated = np.flatnonzero(graph.repeated())
     if len(repeated):
         kept = lines.letters[row_of[repeated[0]]]
-        middle = place_of(graph.lines_coords[repeated[0]].mean(axis=0))
+        middle = named.point(graph.lines_coords[repeated[0]].mean(axis=0))
         text = (
             f"{counted(len(repeated), 'line')} on others from end to end, the first "
             f"{named.name(repeated[0])} at {middle}: "
@@ -212,7 +212,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
         owners = graph.edges_lines[graph.edges_offsets[one] :][:2]
         text = (
             f"{named.name(owners[0])} and {named.name(owners[1])} lie on each other from "
-            f"{place_of(start)} to {place_of(end)}: one edge, {lines.letters[one]}"
+            f"{named.point(start)} to {named.point(end)}: one edge, {lines.letters[one]}"
             + (f"; {counted(len(shared) - 1, 'more place')} alike." if len(shared) > 1 else ".")
         )
         out.append(Repair("lines-overlap", Severity.WARNING, text, shared, lines.middles(shared)))
@@ -221,7 +221,7 @@ def _repairs(named: Lines, lines: Lines, graph: Arrangement, tolerance: Toleranc
         point = graph.lines_coords[lost[0], 0]
         text = (
             f"{counted(len(lost), 'line')} shorter than the tolerance, the first "
-            f"{named.name(lost[0])} at {place_of(point)}: removed {within}."
+            f"{named.name(lost[0])} at {named.point(point)}: removed {within}."
         )
         places = graph.lines_coords[lost, 0]
         out.append(Repair("zero-length-line", Severity.WARNING, text, lost[:0], places))

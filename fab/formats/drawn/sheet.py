@@ -8,7 +8,7 @@ import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.border import with_border
-from fab.formats.drawn.lines import Faces, Lines, Repair, place_of, places_of
+from fab.formats.drawn.lines import Faces, Lines, Repair, places_of
 from fab.formats.drawn.page_frame import page_frame
 from fab.formats.drawn.planar_lines import PlanarLines
 from fab.formats.read_options import ReadOptions
@@ -82,7 +82,7 @@ def drawn_sheet(
         text = (
             f"{counted(len(inner), 'face')} with borders on all sides, amid others, "
             f"{'is a hole' if len(inner) == 1 else 'are holes'}, the first around "
-            f"{place_of(lines.coords[ring].mean(axis=0))}."
+            f"{lines.point(lines.coords[ring].mean(axis=0))}."
         )
         bounds = zip(regions.offsets[inner], regions.offsets[inner + 1], strict=True)
         rings = [lines.coords[regions.corners[start:end]] for start, end in bounds]
@@ -97,7 +97,8 @@ def drawn_sheet(
         start, end = lines.coords[lines.pairs[rows[0]]]
         text = (
             f"{lines.named(rows)} outside of the border: left out, the first from "
-            f"{place_of(start)} to {place_of(end)}. Draw the border around what belongs to it."
+            f"{lines.point(start)} to {lines.point(end)}. Draw the border around what belongs to "
+            "it."
         )
         places = lines.middles(rows)
         repairs.append(Repair("line-outside", Severity.WARNING, text, rows[:0], places))
@@ -158,7 +159,7 @@ def _without_inner_borders(
         others = int((~twice).sum()) - 1
         more = f" ({counted(others, 'more such border')})" if others else ""
         raise InvalidFile(
-            f"{lines.path}: {lines.name(row)} from {place_of(start)} to {place_of(end)} is a "
+            f"{lines.path}: {lines.name(row)} from {lines.point(start)} to {lines.point(end)} is a "
             f"border (B) with the sheet on both sides{more}. Make it a crease or a cut, or give "
             "--inner-border cut."
         )
@@ -291,8 +292,8 @@ def _bridged(
             ring = regions.corners[regions.offsets[region] : regions.offsets[region + 1]]
             raise InvalidFile(
                 f"{lines.path}: the lines in the face around "
-                f"{place_of(lines.coords[ring].mean(axis=0))} are islands. Join them to its sides "
-                "by edges of assignment J."
+                f"{lines.point(lines.coords[ring].mean(axis=0))} are islands. Join them to its "
+                "sides by edges of assignment J."
             )
         found.append(pairs)
     pairs = np.concatenate(found)
@@ -300,7 +301,7 @@ def _bridged(
     start, end = lines.coords[pairs[0]]
     text = (
         f"{counted(len(broken), 'face')} with islands divided by {counted(count, 'join')} (J), "
-        f"which stay flat, the first from {place_of(start)} to {place_of(end)}."
+        f"which stay flat, the first from {lines.point(start)} to {lines.point(end)}."
     )
     planar = np.arange(first, first + count)
     if lines.element is not None:

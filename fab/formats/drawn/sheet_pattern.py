@@ -101,7 +101,7 @@ def sheet_pattern(
         None if folded is None else folded[used],
     )
     if folded is None:
-        pattern, found = lettered(pattern, lines, options)
+        pattern, found = lettered(pattern, lines, origin, options)
         findings += found
         lines = replace(lines, letters=pattern.edges_assignment, angles=pattern.edges_foldAngle)
     return SheetPattern(pattern, lines, edges, used, origin, tuple(findings))

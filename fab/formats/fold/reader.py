@@ -23,7 +23,7 @@ from fab.formats.drawn.importer import (
 )
 from fab.formats.drawn.letters import unused_colours
 from fab.formats.drawn.line_soup import LETTERS, UNLETTERED, Letters
-from fab.formats.drawn.lines import Faces, Lines, listed, place_of, places_of
+from fab.formats.drawn.lines import Faces, Lines, listed, places_of
 from fab.formats.drawn.planar_lines import DrawnLines, ranks_of
 from fab.formats.drawn.sheet_pattern import sheet_pattern
 from fab.formats.fold.face_orders import read_face_orders
@@ -235,7 +235,7 @@ def _vertices_merged(lines: Lines, graph: Arrangement) -> tuple[IntArray, list[F
     gone = np.setdiff1d(lines.pairs[named], source)
     if not len(gone):
         return source, []
-    place = place_of(lines.coords[gone[0]])
+    place = lines.point(lines.coords[gone[0]])
     several = len(gone) > 1
     text = (
         f"{listed('vertex', gone, 'vertices')} in the {'places' if several else 'place'} of "
@@ -273,8 +273,8 @@ def _moved(
         return out, []
     worst = int(vertex[int(apart.argmax())])
     text = (
-        f"edges that meet at {place_of(graph.vertices_coords[worst])} in the flat sheet are up to "
-        f"{apart.max():.3g} mm apart in the folded form: the folded form is left out."
+        f"edges that meet at {lines.point(graph.vertices_coords[worst])} in the flat sheet are up "
+        f"to {apart.max():.3g} mm apart in the folded form: the folded form is left out."
     )
     return None, [Finding("folded-form-differs", Severity.WARNING, text)]
 

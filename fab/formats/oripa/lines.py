@@ -95,5 +95,6 @@ def oripa_soup(
         tuple(elements),
         None,
         tuple(out),
+        downwards=True,
         border_is_cut=True,
     )

@@ -120,6 +120,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
         element[keep],
         tuple(shape.name for shape in taken),
         mm_per_unit,
+        downwards=True,
     )
     if _is_own(root):
         operations = tuple(shape.operation for shape in taken)

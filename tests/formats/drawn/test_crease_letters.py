@@ -112,7 +112,7 @@ def test_a_vertex_that_no_letters_fold_is_reported_with_its_place(tmp_path):
     path.write_text(json.dumps(document))
     read = read_pattern_file(path, ASSIGN)
     finding = found(read)["letters-contradict"]
-    place = read.pattern.vertices_coords[0]
+    place = read.pattern.vertices_coords[0] + read.origin
     assert f"at ({place[0]:.6g}, {place[1]:.6g}) mm" in finding.text
     assert read.pattern.counts()["U"] == 1
     assert "letters-assignable" not in found(read_pattern_file(path))

@@ -17,6 +17,7 @@ from fab.errors import InvalidFile
 from fab.formats.drawn.importer import pattern_of_lines
 from fab.formats.fold.writer import fold_bytes
 from fab.formats.read_options import ReadOptions
+from fab.formats.reading import read_pattern_file
 from fab.formats.strictness import FACTS
 from fab.geometry.rings import ring_areas
 from solver.errors import InvalidValue
@@ -135,6 +136,27 @@ def test_every_repair_names_its_place_and_its_edges(rows, code, place, counts):
     else:
         with pytest.raises(InvalidFile, match=r"drawing.svg: "):
             imported([*SQUARE, *rows], strict)
+
+
+# A square of 80 with a line of 20 beside it, 30 below its upper side.
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="90mm" viewBox="0 0 200 90">'
+    '<path fill="none" stroke="#000" d="M10 5H90V85H10Z"/>'
+    '<path stroke="#f00" d="M100 35H120"/></svg>'
+)
+CP = "1 10 5 90 5\n1 90 5 90 85\n1 90 85 10 85\n1 10 85 10 5\n2 100 35 120 35\n"
+
+
+@pytest.mark.parametrize(("name", "text"), [("a.svg", SVG), ("a.cp", CP)])
+def test_places_in_texts_are_those_of_the_file_where_y_points_down(name, text, tmp_path):
+    path = tmp_path / name
+    for y, shown, height in (("35", "35", 50), ("-0.0", "0", 85), ("-2.5", "-2.5", 87.5)):
+        path.write_text(text.replace("35", y))
+        read = read_pattern_file(path)
+        finding = next(each for each in read.findings if each.code == "line-outside")
+        assert f"from (100, {shown}) mm to (120, {shown}) mm" in finding.text
+        # in pictures of the pattern, above its lower left corner
+        assert finding.places[0] - read.origin == pytest.approx([100, height])
 
 
 def test_findings_name_edges_of_the_pattern():
