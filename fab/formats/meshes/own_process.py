@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from fab.errors import InvalidFile
+from fab.errors import InvalidFile, InvalidJob
 from fab.files import shown_path
 from fab.scratch import temporary_folder
 from solver.errors import InvalidState, InvalidValue, OrigamiError
@@ -35,6 +35,8 @@ _CURE = "It is damaged, or too large: export it again, or as a simpler mesh."
 _BUSY = 3
 # How a process ends that the system stops for the time it took.
 _OUT_OF_TIME = -int(getattr(signal, "SIGXCPU", 24))
+# And where what it read cannot be written, as in sysexits.h.
+_UNWRITTEN = 73
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,8 @@ def in_own_process(
     has them.
 
     Raises what the function raises of the project's own errors, and `InvalidFile` where it raises
-    others, crashes, or needs more than its bounds. The process ends with this call, however it
-    ends.
+    others, crashes, or needs more than its bounds; `InvalidJob` where its answer cannot be written.
+    The process ends with this call, however it ends.
     """
     with temporary_folder() as folder:
         request, answer = folder / "request.json", folder / "answer.npz"
@@ -85,6 +87,11 @@ def in_own_process(
         if code == _OUT_OF_TIME:
             took = f"took over {bounds.seconds:.4g} seconds to read and was given up"
             raise InvalidFile(f"{shown_path(path)}: {took}. {_CURE}")
+        if code == _UNWRITTEN:
+            raise InvalidJob(
+                f"temporary files cannot be written: what was read of {shown_path(path)} does not "
+                "fit. Free some space, or set TMPDIR to a folder that has some."
+            )
         if code != 0 or not answer.is_file():
             why = f"the library that reads it crashed ({_ending(code)})"
             raise InvalidFile(f"{shown_path(path)}: {why}. {_CURE}")
@@ -179,7 +186,10 @@ def _work(task: str, request: Path, answer: Path) -> None:
         found = getattr(importlib.import_module(module), function)(**asked["arguments"])
     except Exception as error:  # readers of foreign files raise all kinds
         found = {"refusal": np.array(json.dumps(_parts(error)))}
-    np.savez(answer, **found)
+    try:
+        np.savez(answer, **found)
+    except OSError:
+        os._exit(_UNWRITTEN)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from build123d import Cylinder, Sphere, export_step
 from helpers import ROOT
 from shared_cases import shared_case
 
-from fab.errors import InvalidFile
+from fab.errors import InvalidFile, InvalidJob
 from fab.formats.meshes import surface
 from fab.formats.meshes.own_process import Bounds, in_own_process
 from fab.formats.meshes.surface import read_surface
@@ -62,6 +62,11 @@ def state(path):
 
 def file(path):
     raise InvalidFile("x.step: it holds no faces.")
+
+def vast(path):
+    import resource
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10**5, 10**5))
+    return {"ones": np.ones(10**6)}
 
 def other(path):
     raise RuntimeError("StdFail_NotDone\\nat 0x0")
@@ -111,6 +116,12 @@ def test_errors_of_our_own_come_back_as_they_are(work):
 def test_what_goes_wrong_is_a_refusal_with_its_reason(work, name, why):
     with pytest.raises(InvalidFile, match=rf"a file\.step: .*{why}.*export it again"):
         work(name)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no bound on the size of files there")
+def test_a_full_disk_is_not_blamed_on_the_file(work):
+    with pytest.raises(InvalidJob, match=r"temporary files cannot be written: .* Free some space"):
+        work("vast")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no bound on address space there")
