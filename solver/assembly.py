@@ -122,9 +122,14 @@ class NormalAssembly:
 
     def extended(self, beside: Sequence[IntArray]) -> NormalAssembly:
         """The same residuals, and the sparsity of further blocks besides that of these."""
+        return NormalAssembly.of(self.count, self.vertices, [self.joined, *beside])
+
+    @property
+    def joined(self) -> IntArray:
+        """All pairs of two vertices that have entries, shape (n, 2)."""
         low = np.repeat(np.arange(self.count), np.diff(self.blocks.bounds))
-        present = np.column_stack([self.blocks.rows, low])[self.blocks.rows != low]
-        return NormalAssembly.of(self.count, self.vertices, [present, *beside])
+        off = np.flatnonzero(self.blocks.rows != low)
+        return np.column_stack([self.blocks.rows[off], low[off]])
 
     def matrix(
         self,

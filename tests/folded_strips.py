@@ -19,6 +19,33 @@ def strip(lengths, letters) -> CreasePattern:
     return lettered(coords, faces, letters)
 
 
+def folded_strip(lengths, angles, width=20.0) -> CreasePattern:
+    """Panels in a row, mm, with the fold angles between them, degrees."""
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    count = len(along)
+    coords = np.vstack([np.column_stack([along, np.full(count, y)]) for y in (0.0, width)])
+    faces = [[i, i + 1, count + i + 1, count + i] for i in range(count - 1)]
+    plain = pattern_of(coords, faces, "V")
+    across = np.abs(np.diff(plain.edges_vertices, axis=1))[:, 0] == count
+    inner = across & (plain.edges_assignment != "B")
+    angle = np.zeros(len(inner))
+    angle[inner] = np.asarray(angles, float)[plain.edges_vertices[inner].min(axis=1) - 1]
+    letters = np.where(inner, np.where(angle > 0, "V", "M"), plain.edges_assignment)
+    return pattern_like(plain, letters, angle)
+
+
+def pattern_like(plain, letters, angle) -> CreasePattern:
+    return CreasePattern(
+        plain.vertices_coords,
+        plain.edges_vertices,
+        plain.edges_faces,
+        letters.astype("U1"),
+        angle,
+        plain.faces_vertices,
+        plain.faces_offsets,
+    )
+
+
 def vertex(angles_deg, letters) -> CreasePattern:
     """Triangles around one vertex; crease i is between the faces i - 1 and i."""
     turn = np.radians(np.concatenate([[0.0], np.cumsum(angles_deg)[:-1]]))

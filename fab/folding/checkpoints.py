@@ -2,8 +2,9 @@
 
 A fold that takes longer than some seconds is kept, load after load, in a file beside the files that
 it is made for. Started again with the same sheet and settings by the same version, it goes on from
-there, and ends with the same bytes as in one go, since each load depends on the one before alone.
-The file is named by a hash of all this, so that no other fold takes it up.
+there, and ends with the same bytes as in one go, since each load depends alone on what the one
+before leaves to it (`fab.folding.quasi_static.Reached`). The file is named by a hash of all this,
+so that no other fold takes it up.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import hashlib
 import time
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
@@ -23,7 +24,7 @@ from fab.errors import Finding, Severity
 from fab.folding.bar_hinge_model import Energy, Framework
 from fab.folding.quasi_static import FoldState, Reached
 from fab.scratch import replaced
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["FoldCheckpoints"]
 
@@ -33,6 +34,8 @@ _EVERY_S = 5.0
 _DAMAGES = (OSError, ValueError, KeyError, IndexError, EOFError, MemoryError, zipfile.BadZipFile)
 # What the bits of a fold depend on besides the sheet.
 _PACKAGES = ("quadfold", "numpy", "scipy", "rslab")
+# Before the names of arrays that a fold carries from load to load.
+_CARRIED = "carried_"
 
 
 class FoldCheckpoints:
@@ -51,15 +54,20 @@ class FoldCheckpoints:
         every_s: float = _EVERY_S,
     ) -> None:
         self._folder, self._name, self._told, self._every_s = folder, name, told, every_s
-        self._key, self._loads, self._used = "", 0, list[Path]()
+        self._key, self._used = "", list[Path]()
         self._kept_at = time.monotonic()
         self._fails = False
 
     def begin(
-        self, frame: Framework, path: FloatArray, loads: int, per_step: int
+        self,
+        frame: Framework,
+        path: FloatArray,
+        loads: int,
+        per_step: int,
+        others: Sequence[FloatArray | IntArray] = (),
     ) -> Reached | None:
         """How far the fold had come when it was cut short; None where it begins."""
-        self._key, self._loads = _key(frame, path, loads, per_step), loads
+        self._key = _key(frame, path, loads, per_step, others)
         self._kept_at, self._fails = time.monotonic(), False
         file = self._file
         if not file.is_file():
@@ -81,7 +89,7 @@ class FoldCheckpoints:
         And where it is over, if it has been kept before.
         """
         file = self._file
-        over = reached.number == self._loads and file in self._used
+        over = reached.over and file in self._used
         if self._fails or not (over or time.monotonic() >= self._kept_at + self._every_s):
             return
         try:
@@ -114,7 +122,13 @@ class FoldCheckpoints:
         return self._folder / f"{self._name}_checkpoint_{self._key[:12]}.npz"
 
 
-def _key(frame: Framework, path: FloatArray, loads: int, per_step: int) -> str:
+def _key(
+    frame: Framework,
+    path: FloatArray,
+    loads: int,
+    per_step: int,
+    others: Sequence[FloatArray | IntArray],
+) -> str:
     """A hash of all that the states of a fold depend on."""
     digest = hashlib.sha256()
     for package in _PACKAGES:
@@ -130,6 +144,7 @@ def _key(frame: Framework, path: FloatArray, loads: int, per_step: int) -> str:
         frame.hinges_vertices,
         frame.hinges_stiffness,
         frame.hinges_target,
+        *others,
     ):
         digest.update(f"{array.dtype} {array.shape}\n".encode())
         digest.update(np.ascontiguousarray(array).tobytes())
@@ -142,19 +157,29 @@ def _arrays(reached: Reached, key: str) -> dict[str, Any]:
     return {
         "key": np.array(key),
         "number": np.array(reached.number),
-        "angles": reached.angles,
         "solved": np.array(reached.solved),
         "rested": np.array(reached.rested),
         "peak": np.array(reached.peak),
+        "over": np.array(reached.over),
+        **{_CARRIED + name: array for name, array in reached.carried.items()},
         "coords": np.stack([state.coords for state in states]),
         "load": np.array([state.load for state in states]),
-        "energy": np.array([[state.energy.bars, state.energy.hinges] for state in states]),
+        **_ragged("energy", [(s.energy.bars, s.energy.hinges, *s.energy.others) for s in states]),
         "strain": np.array([[s.strain_mean, s.strain_max, s.strain_peak] for s in states]),
         "iterations": np.array([state.iterations for state in states]),
         "settled": np.array([state.settled for state in states]),
-        "accepted": np.concatenate([np.asarray(state.accepted, float) for state in states]),
-        "accepted_count": np.array([len(state.accepted) for state in states]),
+        **_ragged("accepted", [state.accepted for state in states]),
     }
+
+
+def _ragged(name: str, rows: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """Rows of several lengths, as arrays; `_rows` gives them back."""
+    return {name: np.concatenate(rows, dtype=float), f"{name}_count": np.array([*map(len, rows)])}
+
+
+def _rows(found: Mapping[str, Any], name: str) -> list[list[float]]:
+    ends = found[f"{name}_count"].cumsum()
+    return [row.tolist() for row in np.split(found[name], ends[:-1])]
 
 
 def _read(file: Path, key: str) -> Reached:
@@ -163,17 +188,16 @@ def _read(file: Path, key: str) -> Reached:
         if str(archive["key"]) != key:
             raise ValueError("it is of another fold")
         found = {name: archive[name] for name in archive.files}
-    ends = found["accepted_count"].cumsum()
-    accepted = np.split(found["accepted"], ends[:-1])
+    accepted, energy = _rows(found, "accepted"), _rows(found, "energy")
     states = [
         FoldState(
             float(found["load"][k]),
             coords,
-            Energy(float(found["energy"][k, 0]), float(found["energy"][k, 1])),
+            Energy(energy[k][0], energy[k][1], tuple(energy[k][2:])),
             float(found["strain"][k, 0]),
             float(found["strain"][k, 1]),
             float(found["strain"][k, 2]),
-            tuple(accepted[k].tolist()),
+            tuple(accepted[k]),
             int(found["iterations"][k]),
             bool(found["settled"][k]),
         )
@@ -183,8 +207,13 @@ def _read(file: Path, key: str) -> Reached:
         int(found["number"]),
         tuple(states[:-1]),
         states[-1],
-        found["angles"],
         int(found["solved"]),
         bool(found["rested"]),
         float(found["peak"]),
+        bool(found["over"]),
+        {
+            name.removeprefix(_CARRIED): array
+            for name, array in found.items()
+            if name.startswith(_CARRIED)
+        },
     )

@@ -16,7 +16,7 @@ from fab.folding.bar_hinge_model import Framework
 from fab.folding.potentials import Potential
 from solver.assembly import NormalAssembly
 from solver.sparse import SymmetricSystem
-from solver.vectors import BoolArray, FloatArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["Linearised", "NewtonSystem"]
 
@@ -76,6 +76,18 @@ class NewtonSystem:
             columns = np.repeat(np.arange(triangle.size), np.diff(triangle.bounds))
             self._held = self._fixed[triangle.rows] | self._fixed[columns]
 
+    @property
+    def joined(self) -> IntArray:
+        """All pairs of two vertices in the sparsity, shape (n, 2)."""
+        return self._assembly.joined
+
+    def join(self, vertices: Sequence[IntArray]) -> None:
+        """Let the sparsity grow by further vertices, shape (n, k) each, joined in each row."""
+        new = [each for each in vertices if not self._assembly.covers(each)]
+        if new:
+            assembly = self._assembly.extended(new)
+            self._use(assembly, SymmetricSystem(assembly.triangle))
+
     def linearised(
         self, coords: FloatArray, target: FloatArray, potentials: Sequence[Potential] = ()
     ) -> Linearised:
@@ -83,10 +95,7 @@ class NewtonSystem:
         here = self._frame.derivatives(coords, target)
         others = [each.linearised(coords) for each in potentials]
         blocks = [block for _, curvature in others for block in curvature]
-        new = [b.vertices for b in blocks if not self._assembly.covers(b.vertices)]
-        if new:
-            assembly = self._assembly.extended(new)
-            self._use(assembly, SymmetricSystem(assembly.triangle))
+        self.join([block.vertices for block in blocks])
         gradient = self._assembly.gradient(here.gradients, here.weights, here.values)
         pull = sum((slope for slope, _ in others), np.zeros_like(gradient))
         entries = self._assembly.matrix(here.gradients, here.weights, blocks)

@@ -10,8 +10,8 @@ All hinges are driven at one rate, or along a folding path on which each has a r
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
@@ -25,7 +25,7 @@ from fab.folding.rest import relaxed
 from fab.folding.rotation_predictor import rotation_predictor
 from fab.progress import Steps, no_steps
 from solver.errors import require_count
-from solver.vectors import BoolArray, FloatArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = [
     "Checkpoint",
@@ -109,30 +109,55 @@ class Reached:
 
     Attributes
     ----------
-    number : loads done. states : of the fold, so far.
-    state : under the last load. angles : of all hinges in it, radians, shape (nh,).
+    number : loads done. states : of the fold, so far. state : under the last load.
     solved, rested, peak : systems, whether all loads came to rest, and largest strain, since the
         last of `states`.
+    over : whether there are no loads after it.
+    carried : arrays by name: what else the loads after it depend on.
     """
 
     number: int
     states: tuple[FoldState, ...]
     state: FoldState
-    angles: FloatArray
-    solved: int
-    rested: bool
-    peak: float
+    solved: int = 0
+    rested: bool = True
+    peak: float = 0.0
+    over: bool = False
+    carried: Mapping[str, FloatArray | IntArray] = field(default_factory=dict)
+
+    @classmethod
+    def flat(cls, state: FoldState, **carried: FloatArray | IntArray) -> Reached:
+        """The flat sheet, before the first load."""
+        return cls(0, (state,), state, carried=carried)
+
+    def after(
+        self, state: FoldState, ends: bool, over: bool, **carried: FloatArray | IntArray
+    ) -> Reached:
+        """One load later, at which the sheet is in this state; ends : whether a step does."""
+        solved, rested = self.solved + state.iterations, self.rested and state.settled
+        peak = max(self.peak, state.strain_max)
+        states = self.states
+        if ends:
+            whole = replace(state, strain_peak=peak, iterations=solved, settled=rested)
+            states, solved, rested, peak = (*states, whole), 0, True, 0.0
+        return Reached(self.number + 1, states, state, solved, rested, peak, over, carried)
 
 
 class Checkpoint(Protocol):
     """What keeps a fold."""
 
     def begin(
-        self, frame: Framework, path: FloatArray, loads: int, per_step: int
+        self,
+        frame: Framework,
+        path: FloatArray,
+        loads: int,
+        per_step: int,
+        others: Sequence[FloatArray | IntArray] = (),
     ) -> Reached | None:
         """How far this fold came when it was cut short; None where it begins.
 
-        path : as of `fold`, in so many loads, of which each `per_step` are a step.
+        path : as of `fold`, in so many loads, of which each `per_step` are a step. others : what
+        else its states depend on.
         """
 
     def keep(self, reached: Reached) -> None:
@@ -178,18 +203,16 @@ def fold(
     keeper = None if potentials or held is not None else checkpoint
     reached = keeper.begin(frame, path, loads, per_step) if keeper else None
     if reached is None:
-        flat = flat_state(frame, potentials)
-        reached = Reached(0, (flat,), flat, np.zeros_like(frame.hinges_target), 0, True, 0.0)
-    states, state, angles = [*reached.states], reached.state, reached.angles
-    solved, rested, peak = reached.solved, reached.rested, reached.peak
+        still = np.zeros_like(frame.hinges_target)
+        reached = Reached.flat(flat_state(frame, potentials), angles=still)
     usual = _USUAL
-    for number in range(reached.number + 1, loads + 1):
+    while not reached.over:
+        number, before = reached.number + 1, reached.state.coords
         target, rate = path_at(path, number / loads)
-        turned = predictor.coords(angles + rate / loads)
-        coords = _predicted(frame, turned, state.coords, target, potentials, held)
+        turned = predictor.coords(reached.carried["angles"] + rate / loads)
         rest = relaxed(
             frame,
-            coords,
+            _predicted(frame, turned, before, target, potentials, held),
             target,
             number == loads,
             potentials,
@@ -197,20 +220,26 @@ def fold(
             watch=partial(_report, progress, number, loads, usual),
         )
         usual += (rest.iterations - usual) / number
-        coords = rest.coords if held is not None else aligned(rest.coords, state.coords)
-        solved, rested = solved + rest.iterations, rested and rest.settled
-        state = state_of(
-            frame, number / loads, coords, target, solved, rested, rest.accepted, potentials
+        coords = rest.coords if held is not None else aligned(rest.coords, before)
+        reached = reached.after(
+            state_of(
+                frame,
+                number / loads,
+                coords,
+                target,
+                rest.iterations,
+                rest.settled,
+                rest.accepted,
+                potentials,
+            ),
+            ends=number % per_step == 0,
+            over=number == loads,
+            angles=frame.angles_near(coords, target),
         )
-        peak = max(peak, state.strain_max)
-        if number % per_step == 0:
-            states.append(replace(state, strain_peak=peak))
-            solved, rested, peak = 0, True, 0.0
-        angles = frame.angles_near(coords, target)
         if keeper:
-            keeper.keep(Reached(number, tuple(states), state, angles, solved, rested, peak))
+            keeper.keep(reached)
     progress(loads, loads)
-    return Folding(frame, tuple(states), in_turn)
+    return Folding(frame, reached.states, in_turn)
 
 
 def straight_path(frame: Framework) -> FloatArray:

@@ -59,7 +59,7 @@ def fold_and_judge(
     pattern : in millimetres.
     tolerance : how exactly the target must be reached; by default 0.1 degrees.
     progress : called with the stages "fold", "judge", "order" for a folding path, and "contact".
-    checkpoint : what keeps a quasi-static fold, as for `fab.folding.quasi_static.fold`.
+    checkpoint : what keeps quasi-static folds, as for `fab.folding.quasi_static.fold`.
 
     Raises `InvalidValue` for a sheet that is not from 1e-100 to 1e100 mm across, and for a face
     without area.
@@ -80,7 +80,9 @@ def fold_and_judge(
         )
     held: list[Finding] = []
     if solver is Solver.QUASI_STATIC and _contact_wanted(settings, frame, verdict):
-        folding, verdict, held = fold_past_contact(folding, verdict, settings, progress, tolerance)
+        folding, verdict, held = fold_past_contact(
+            folding, verdict, settings, progress, tolerance, checkpoint
+        )
     findings = [
         *inspect_form(frame, tolerance),
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from folded_strips import folded_strip
 from helpers import PATTERNS, ROOT
 
 from fab import read_pattern
@@ -13,6 +14,7 @@ from fab.folding.bar_hinge_model import framework
 from fab.folding.checkpoints import FoldCheckpoints
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.quasi_static import fold
+from fab.formats.fold.writer import fold_bytes
 from fab.jobs.folding_files import simulate
 
 STEPS = 3
@@ -34,7 +36,7 @@ class CutShort(Exception):
 
 
 def made(pattern, checkpoint=None, most=None):
-    """All but the pictures, which take longer; cut short after so many loads."""
+    """All but the pictures, which take longer, without contact; cut short after so many loads."""
     begun = set()
 
     def progress(stage, done, total):
@@ -43,7 +45,7 @@ def made(pattern, checkpoint=None, most=None):
         if most is not None and len(begun) > most:
             raise CutShort
 
-    settings = FoldSettings(steps=STEPS)
+    settings = FoldSettings(steps=STEPS, contact=False)
     return simulate(
         pattern, "x", settings, formats=["fold"], progress=progress, checkpoint=checkpoint
     ).files
@@ -129,17 +131,17 @@ from fab.folding.checkpoints import FoldCheckpoints
 from fab.folding.fold_settings import FoldSettings
 from fab.jobs.folding_files import simulate
 
-folder, most = Path(sys.argv[2]), int(sys.argv[3])
+folder, killed, most = Path(sys.argv[2]), sys.argv[3], int(sys.argv[4])
 kept = FoldCheckpoints(folder, "x", print, every_s=0.0)
 steps = iter(range(10**9))
 
 def progress(stage, done, total):
-    if stage == "fold" and next(steps) == most:
+    if stage == killed and next(steps) == most:
         os.kill(os.getpid(), signal.SIGKILL)
 
 made = simulate(
-    read_pattern(sys.argv[1])[0], "x", FoldSettings(steps=3), formats=["fold"],
-    progress=progress, checkpoint=kept,
+    read_pattern(sys.argv[1])[0], "x", FoldSettings(contact=None if killed == "contact" else False),
+    formats=["fold"], progress=progress, checkpoint=kept,
 )
 for name, data in made.files.items():
     (folder / name).write_bytes(data)
@@ -148,19 +150,31 @@ kept.remove()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
-def test_a_process_that_is_killed_goes_on_in_the_next_one(crane, tmp_path):
+@pytest.mark.parametrize("stage", ["fold", "contact"])
+def test_a_process_that_is_killed_goes_on_in_the_next_one(stage, tmp_path):
+    """In contact while the flaps fold in turn, the long one under the short one."""
+    file, out = tmp_path / "flaps.fold", tmp_path / "out"
+    file.write_bytes(fold_bytes(folded_strip([34.0, 40.0, 20.0], [178.0, 160.0]), "flaps"))
+    steps = []
+    whole = simulate(
+        read_pattern(file)[0],
+        "x",
+        FoldSettings(contact=None if stage == "contact" else False),
+        formats=["fold"],
+        progress=lambda of, *_: steps.append(of),
+    ).files
+
     def run(most):
-        words = [sys.executable, "-c", KILLED, str(PATTERNS / "crane.fold"), str(tmp_path), most]
+        words = [sys.executable, "-c", KILLED, str(file), str(out), stage, str(most)]
         return subprocess.run(words, capture_output=True, text=True, cwd=ROOT, check=False)
 
-    killed = run("90")
+    killed = run(round(0.9 * steps.count(stage)))
     assert killed.returncode == -9
-    assert list(tmp_path.iterdir())
-    done = run("-1")
+    assert list(out.iterdir())
+    done = run(-1)
     assert done.returncode == 0, done.stderr
     assert "goes on at" in done.stdout
-    found = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert found == made(crane)
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == whole
 
 
 def test_what_a_killed_run_was_writing_is_taken_away(miura, tmp_path):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from flat_patterns import pattern_of, turned_strip
+from folded_strips import folded_strip, pattern_like
 from helpers import PATTERNS
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -24,21 +25,6 @@ from solver.self_intersection import crossing_faces
 from solver.vectors import norm
 
 SEEDS = st.integers(0, 2**31)
-
-
-def folded_strip(lengths, angles, width=20.0) -> CreasePattern:
-    """Panels in a row, mm, with the fold angles between them, degrees."""
-    along = np.concatenate([[0.0], np.cumsum(lengths)])
-    count = len(along)
-    coords = np.vstack([np.column_stack([along, np.full(count, y)]) for y in (0.0, width)])
-    faces = [[i, i + 1, count + i + 1, count + i] for i in range(count - 1)]
-    plain = pattern_of(coords, faces, "V")
-    across = np.abs(np.diff(plain.edges_vertices, axis=1))[:, 0] == count
-    inner = across & (plain.edges_assignment != "B")
-    angle = np.zeros(len(inner))
-    angle[inner] = np.asarray(angles, float)[plain.edges_vertices[inner].min(axis=1) - 1]
-    letters = np.where(inner, np.where(angle > 0, "V", "M"), plain.edges_assignment)
-    return pattern_like(plain, letters, angle)
 
 
 def flat_miura(columns, rows, side=20.0, acute_deg=60.0) -> CreasePattern:
@@ -68,18 +54,6 @@ def flat_miura(columns, rows, side=20.0, acute_deg=60.0) -> CreasePattern:
     inner = plain.edges_assignment != "B"
     angle = np.where(inner, 180.0 * sign, 0.0)
     return pattern_like(plain, np.where(inner, np.where(sign > 0, "V", "M"), "B"), angle)
-
-
-def pattern_like(plain, letters, angle) -> CreasePattern:
-    return CreasePattern(
-        plain.vertices_coords,
-        plain.edges_vertices,
-        plain.edges_faces,
-        letters.astype("U1"),
-        angle,
-        plain.faces_vertices,
-        plain.faces_offsets,
-    )
 
 
 def crossings(frame, coords):

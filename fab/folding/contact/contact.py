@@ -9,7 +9,7 @@ and less, since their closest points jump: their ends do it in their place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -136,11 +136,29 @@ class Contact:
             return last[0][1]
         pairs = self._near(coords, coords)
         self.work.spend(len(pairs.members))
-        reach = np.minimum(self.reach, pairs.limit)
-        close = pairs.meeting(self.surface.boxes(coords, coords), reach)
-        found = self._touching(coords, pairs.chosen(close), reach[close])
+        found = self._among(coords, pairs)
         last[:] = [(coords, found)]
         return found
+
+    @property
+    def seen(self) -> dict[str, FloatArray]:
+        """What `see_again` takes. The work depends on it, energies and steps do not."""
+        (near,) = self._seen.near
+        return {"low": near.low, "high": near.high, "margin": np.array(near.margin)}
+
+    def see_again(
+        self, coords: FloatArray, low: FloatArray, high: FloatArray, margin: FloatArray
+    ) -> None:
+        """Take up what was `seen` when coords, shape (nv, 3), had just been looked at."""
+        near = near_pairs(self.surface, low, high, self.surface.gap + self.reach, 0.0)
+        self._seen.near[:] = [replace(near, margin=float(margin))]
+        self._seen.touching[:] = [(coords, self._among(coords, near.pairs))]
+
+    def _among(self, coords: FloatArray, pairs: Pairs) -> Touching:
+        """Those of some pairs that are within the reach of their barriers."""
+        reach = np.minimum(self.reach, pairs.limit)
+        close = pairs.meeting(self.surface.boxes(coords, coords), reach)
+        return self._touching(coords, pairs.chosen(close), reach[close])
 
     def _touching(self, coords: FloatArray, pairs: Pairs, reach: FloatArray) -> Touching:
         if not len(reach):

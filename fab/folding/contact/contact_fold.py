@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -23,8 +24,10 @@ from fab.folding.contact.work import Work
 from fab.folding.newton_system import NewtonSystem
 from fab.folding.potentials import Potential, energy_of, free_share
 from fab.folding.quasi_static import (
+    Checkpoint,
     Folding,
     FoldState,
+    Reached,
     aligned,
     flat_state,
     loads_per_step,
@@ -37,7 +40,7 @@ from fab.folding.rotation_predictor import RotationPredictor, rotation_predictor
 from fab.folding.tolerance import Tolerance
 from fab.progress import Steps, no_steps
 from solver.errors import require_count
-from solver.vectors import FloatArray
+from solver.vectors import FloatArray, IntArray
 
 __all__ = ["REACH_LAST", "fold_in_contact"]
 
@@ -82,6 +85,7 @@ def fold_in_contact(
     path: FloatArray | None = None,
     potentials: Sequence[Potential] = (),
     work: Work | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Folding:
     """Fold a framework from flat to its targets, no faces passing through each other.
 
@@ -90,7 +94,7 @@ def fold_in_contact(
 
     Parameters
     ----------
-    steps, progress, path, potentials : as for `fab.folding.quasi_static.fold`.
+    steps, progress, path, potentials, checkpoint : as for `fab.folding.quasi_static.fold`.
     thickness_mm : how far the middles of two layers are apart where they touch.
     work : what it may take; without bound where left out.
 
@@ -102,38 +106,48 @@ def fold_in_contact(
     path = straight_path(frame) if path is None else path
     per_step = loads_per_step(path, steps)
     loads = per_step * steps
-    surface = surface_of(frame, thickness_mm)
-    course = _Course(frame, surface, path, loads, tuple(potentials), work or Work())
-    state = flat_state(frame, potentials)
-    states = [state]
-    solved, rested, peak = 0, True, 0.0
-    pressing: tuple[int, FloatArray, FloatArray] | None = None
-    for number in range(1, loads + 1):
-        before = state.coords
+    surface, work = surface_of(frame, thickness_mm), work or Work()
+    course = _Course(frame, surface, path, loads, tuple(potentials), work)
+    keeper = None if potentials else checkpoint
+    others = [surface.joined, np.array([surface.gap, work.left])]
+    reached = keeper.begin(frame, path, loads, per_step, others) if keeper else None
+    if reached is None:
+        pressing: _Pressing | None = None
+        reached = Reached.flat(flat_state(frame, potentials))
+    else:
+        pressing = course.recalled(reached)
+    while not reached.over:
+        number, before = reached.number + 1, reached.state.coords
+        progress(number - 1, loads)
         watch = course.counted(partial(watched, progress, number - 1, loads))
         rest = course.rest(before, number / loads, 1 / loads, watch)
-        solved, rested = solved + rest.iterations, rested and rest.settled
-        state = course.state(rest, before, number / loads, solved, rested)
-        peak = max(peak, state.strain_max)
+        state = course.state(rest, before, number / loads)
         presses = course.presses(state.coords)
         if not presses:
             pressing = None
         elif pressing is None:
             pressing = number, before, state.coords
         jammed = presses and (not rest.settled or course.lag(state) > _JAMMED_RAD)
-        if number % per_step == 0 or jammed:
-            states.append(replace(state, strain_peak=peak))
-            solved, rested, peak = 0, True, 0.0
-        if jammed:
-            break
+        reached = reached.after(
+            state,
+            ends=number % per_step == 0 or jammed,
+            over=number == loads or jammed,
+            **course.carried(pressing),
+        )
+        if keeper:
+            keeper.keep(reached)
     progress(loads, loads)
     held = pressing is not None
-    folding = Folding(frame, tuple(states), in_turn, None, course.room if held else 0.0)
+    folding = Folding(frame, reached.states, in_turn, None, course.room if held else 0.0)
     allowed = np.radians(Tolerance(layers_rel=course.room).crease_deg)
-    if pressing is None or course.lag(state) <= allowed:
+    if pressing is None or course.lag(reached.state) <= allowed:
         return folding
     watch = course.counted(partial(watched, progress, loads, loads))
     return replace(folding, stopped=course.stop(*pressing, watch))
+
+
+# The load at which faces began to press on each other, and the sheet before and after it.
+_Pressing: TypeAlias = tuple[int, FloatArray, FloatArray]
 
 
 class _Course:
@@ -254,14 +268,44 @@ class _Course:
         energies = [energy_of(self._frame, x, target, acting).total for x in (there, before)]
         return there if energies[0] < energies[1] else before
 
-    def state(
-        self, rest: Rest, before: FloatArray, share: float, solved: int, rested: bool
-    ) -> FoldState:
+    def state(self, rest: Rest, before: FloatArray, share: float) -> FoldState:
         """The state at a share of the fold."""
         target, _ = path_at(self._path, share)
         coords = aligned(rest.coords, before)
         acting = [*self._others, self._contact]
-        return state_of(self._frame, share, coords, target, solved, rested, rest.accepted, acting)
+        return state_of(
+            self._frame,
+            share,
+            coords,
+            target,
+            rest.iterations,
+            rest.settled,
+            rest.accepted,
+            acting,
+        )
+
+    def carried(self, pressing: _Pressing | None) -> dict[str, FloatArray | IntArray]:
+        """What the loads to come depend on besides the state, for `recalled`."""
+        return {
+            **self._contact.seen,
+            "joined": self._system.joined,
+            "work": np.array(self._work.left),
+            "pressed": np.array(pressing[0] if pressing else 0),
+            "pressing": np.stack(pressing[1:]) if pressing else np.empty(0),
+        }
+
+    def recalled(self, reached: Reached) -> _Pressing | None:
+        """Go on from where a fold was cut short; since when faces press."""
+        carried = reached.carried
+        seen = {name: carried[name].astype(float) for name in ("low", "high", "margin")}
+        self._contact.see_again(reached.state.coords, **seen)
+        self._system.join([carried["joined"].astype(np.int64)])
+        self._work.left = float(carried["work"])
+        number = int(carried["pressed"])
+        if not number:
+            return None
+        before, after = carried["pressing"].astype(float)
+        return number, before, after
 
     def presses(self, coords: FloatArray) -> bool:
         """Whether faces press on each other."""

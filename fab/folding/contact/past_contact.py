@@ -15,7 +15,7 @@ from fab.folding.contact.fold_orders import fold_orders
 from fab.folding.contact.stops import Stop
 from fab.folding.contact.work import OutOfWorkError, Work
 from fab.folding.fold_settings import FoldSettings
-from fab.folding.quasi_static import Folding
+from fab.folding.quasi_static import Checkpoint, Folding
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import Verdict, judge
 from fab.pattern.overlap import overlapping_faces
@@ -36,6 +36,7 @@ def fold_past_contact(
     settings: FoldSettings,
     progress: Progress,
     tolerance: Tolerance,
+    checkpoint: Checkpoint | None = None,
 ) -> tuple[Folding, Verdict, list[Finding]]:
     """The fold in contact that reaches its target, or how far one gets, with findings.
 
@@ -50,6 +51,7 @@ def fold_past_contact(
     ----------
     free, verdict : the fold without contact and its verdict.
     progress : called with the stages "contact" and "order".
+    checkpoint : what keeps each of the folds, as for `fab.folding.quasi_static.fold`.
     """
     frame = free.frame
     over = flat_overlaps(frame)
@@ -63,6 +65,7 @@ def fold_past_contact(
         settings.thickness_mm,
         watch,
         work=Work(_MOST_PAIRS),
+        checkpoint=checkpoint,
     )
     try:
         first = made = runs()
