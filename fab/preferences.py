@@ -59,7 +59,7 @@ def set_preference(key: str, value: str | None) -> Path:
     preferences()  # a faulty file is not written over
     path = preferences_file()
     try:
-        text = path.read_text("utf-8") if path.is_file() else ""
+        text = path.read_text("utf-8-sig") if path.is_file() else ""
         document = tomlkit.parse(text)
         if value is None:
             document.pop(key, None)

@@ -23,12 +23,15 @@ __all__ = [
     "checked",
     "parsed_toml",
     "read_toml",
+    "toml_of",
     "types_of",
 ]
 
 # Files that users write are a few kilobytes long, with tables in tables in tables.
 LARGEST_BYTES = 1_000_000
 DEEPEST = 50
+# Whole numbers of more bits have over 4000 digits, which Python reads as 0x... and does not write.
+_MOST_BITS = 13_000
 _LONGEST_SHOWN = 80
 # Keys at fault that an error lists.
 _MOST_LISTED = 50
@@ -91,7 +94,7 @@ def parsed_toml(text: bytes, source: str, cure: str) -> dict[str, Any]:
             f"{source}: has more than {LARGEST_BYTES} bytes, must have at most as many. {cure}"
         )
     try:
-        document = tomllib.loads(text.decode("utf-8-sig"))
+        document = toml_of(text.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise InvalidJob(f"{source}: not a TOML file: {error}. Correct it there.") from error
     if _is_deeper(document, DEEPEST):
@@ -99,6 +102,21 @@ def parsed_toml(text: bytes, source: str, cure: str) -> dict[str, Any]:
             f"{source}: has tables or lists over {DEEPEST} deep, must have at most as many in each "
             f"other. {cure}"
         )
+    return document
+
+
+def toml_of(text: str) -> dict[str, Any]:
+    """The tables of TOML. Raises `ValueError` or `RecursionError` where it is none.
+
+    And for whole numbers that are too long for a message that names them.
+    """
+    document = tomllib.loads(text)
+    level: list[Any] = [document]
+    while level:
+        parts = [p for each in level for p in (each.values() if isinstance(each, dict) else each)]
+        if any(isinstance(part, int) and part.bit_length() > _MOST_BITS for part in parts):
+            raise ValueError("a whole number has thousands of digits")
+        level = [part for part in parts if isinstance(part, dict | list)]
     return document
 
 
@@ -120,7 +138,7 @@ def apply_change(document: dict[str, Any], change: str) -> None:
     if not equals or not all(parts):
         raise InvalidJob(f"--set {change}: must have the form key=value, as in design.strips=4.")
     try:
-        parsed = tomllib.loads(f"value = {text}")
+        parsed = toml_of(f"value = {text}")
         value = parsed["value"] if len(parsed) == 1 and not _is_deeper(parsed, DEEPEST) else text
     except (ValueError, RecursionError):  # also of whole numbers with thousands of digits
         value = text.strip()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from fab.catalogue import shipped
 from fab.errors import InvalidJob
 from fab.jobs.job import Job, parse_job
-from fab.settings import checked, read_toml
+from fab.settings import apply_change, checked, read_toml
 from fab.sheets.materials import Machine, Material
 
 DOCUMENTS = [
@@ -129,3 +129,15 @@ def test_toml_with_a_mark_of_its_byte_order_is_read(tmp_path):
     path = tmp_path / "marked.toml"
     path.write_bytes(b"\xef\xbb\xbfa = 1\r\n")
     assert read_toml(path, "") == {"a": 1}
+
+
+def test_whole_numbers_that_no_message_can_name_are_refused(tmp_path):
+    """Python reads thousands of hexadecimal digits, and does not write that number."""
+    path = tmp_path / "mine.toml"
+    for value in ("0x" + "f" * 5000, "[{a = 0b1" + "0" * 20_000 + "}]"):
+        path.write_text(f"kerf_mm = {value}")
+        with pytest.raises(InvalidJob, match=r"a whole number has thousands of digits\. Correct"):
+            read_toml(path, "")
+        document: dict[str, str] = {}
+        apply_change(document, f"kerf_mm={value}")
+        assert document == {"kerf_mm": value}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 from fab.errors import InvalidJob
 from fab.files import shortened
 from fab.jobs.job import Job, parse_job
+from fab.settings import toml_of
 from fab.studio.table_lists import put_tables
 
 __all__ = ["MOST_BYTES", "Change", "changed_text", "job_of_text"]
@@ -83,7 +83,7 @@ def _document(text: str) -> dict[str, Any]:
     if len(text.encode("utf-8", "surrogatepass")) > MOST_BYTES:
         raise InvalidJob(f"job: has {len(text)} characters, must have at most {MOST_BYTES} bytes.")
     try:
-        return tomllib.loads(text)
+        return toml_of(text)
     except (ValueError, RecursionError) as error:
         raise InvalidJob(f"job: not a TOML file: {error}. Correct it there.") from error
 

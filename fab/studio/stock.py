@@ -6,7 +6,6 @@ studio's folder.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -14,6 +13,7 @@ from typing import Any, Literal
 from fab.catalogue import described, known_of
 from fab.errors import InvalidJob
 from fab.preferences import preferences
+from fab.settings import toml_of
 
 __all__ = ["KINDS", "Kind", "names_of", "stock", "usual_names"]
 
@@ -57,7 +57,7 @@ def _files(folder: Path) -> Iterator[tuple[Kind, str, str]]:
         try:
             if path.is_symlink() or path.stat().st_size > _MOST_BYTES:
                 continue
-            document = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+            document = toml_of(path.read_text(encoding="utf-8-sig"))
         except (OSError, ValueError, RecursionError):
             continue  # whatever it is, it is none of these
         kind = document.get("kind") or next(

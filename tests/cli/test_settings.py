@@ -37,6 +37,9 @@ def test_comments_and_other_settings_stay():
     path.write_text('# at home\nprinter = "prusa_mk4s"\n')
     assert run("settings", "set", "machine", "knife_a4").exit_code == 0
     assert path.read_text() == '# at home\nprinter = "prusa_mk4s"\nmachine = "knife_a4"\n'
+    path.write_bytes(b'\xef\xbb\xbfprinter = "prusa_mk4s"\n')  # as editors of Windows write it
+    assert run("settings", "set", "machine", "knife_a4").exit_code == 0
+    assert path.read_text() == 'printer = "prusa_mk4s"\nmachine = "knife_a4"\n'
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,16 @@ _STRINGS = (
 _SCALARS = (
     *(True, False, 0, 1, -1, 2, 3, 7, 64, 65, 1000, 10**6, 10**9, 2**31, 2**63 - 1, -(2**63)),
     *(0.0, -0.0, 0.5, -0.5, 1.0, 90.0, 179.9, 180.0, 360.0, 1e5, math.nan, math.inf, -math.inf),
-    *(10**30, 10**400, 1e-300, 1e300, datetime.date(2020, 1, 1), datetime.time(1, 2, 3)),
+    *(
+        10**30,
+        10**400,
+        10**4200,
+        10**5000,
+        1e-300,
+        1e300,
+        datetime.date(2020, 1, 1),
+        datetime.time(1, 2, 3),
+    ),
     datetime.datetime(2020, 1, 1, tzinfo=datetime.UTC),
 )
 _KEYS = ("kind", "unknown", "name", "", "a.b", "é", "x" * 300, "design", "perforation", "sheet")
@@ -36,7 +45,14 @@ _LINES = (
     *('x = "\\ud800"', 'x = "\\u0000"', "x = 1e400", "x = -nan", "x = {a = 1, a = 2}", "# é"),
     *("x = " + "[" * 400 + "]" * 400, "x = " + "{a=" * 200 + "1" + "}" * 200, "[" + "a." * 300),
     *("x = " + "[" * 51 + "]" * 51, "x = " + "[" * 900 + "]" * 900, "[" + "a." * 900 + "b]\nx = 1"),
-    *("x = " + "[" * 20000, "x = " + "9" * 5000, "x = 0." + "3" * 5000, "\0", "x = {a.b.c = 1}"),
+    *(
+        "x = " + "[" * 20000,
+        "x = " + "9" * 5000,
+        "x = 0x" + "f" * 5000,
+        "x = 0." + "3" * 5000,
+        "\0",
+        "x = {a.b.c = 1}",
+    ),
 )
 
 
@@ -84,6 +100,8 @@ class Corpus:
         text = toml_text(document)
         if random.integers(8) == 0:
             text = _torn(random, text)
+        if random.integers(60) == 0:
+            text = f"\ufeff{text}"
         data = text.encode("utf-8", "surrogatepass")
         return byte_faults(random, data) if random.integers(25) == 0 else data
 
@@ -238,7 +256,7 @@ def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and abs(value) > 10**4000:
-        return "9" * 4400
+        return hex(value)
     if isinstance(value, str):
         return _string(value)
     if isinstance(value, list | tuple):
