@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import hashlib
 import time
-import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from importlib.metadata import version
@@ -21,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, Severity
+from fab.files import shortened
 from fab.folding.bar_hinge_model import Energy, Framework
 from fab.folding.quasi_static import FoldState, Reached
 from fab.scratch import replaced
@@ -30,8 +30,6 @@ __all__ = ["FoldCheckpoints"]
 
 # A fold is kept after so many seconds, and as often from then on.
 _EVERY_S = 5.0
-# What reading a damaged file raises.
-_DAMAGES = (OSError, ValueError, KeyError, IndexError, EOFError, MemoryError, zipfile.BadZipFile)
 # What the bits of a fold depend on besides the sheet.
 _PACKAGES = ("quadfold", "numpy", "scipy", "rslab")
 # Before the names of arrays that a fold carries from load to load.
@@ -75,8 +73,9 @@ class FoldCheckpoints:
         self._used.append(file)
         try:
             reached = _read(file, self._key)
-        except _DAMAGES as error:
-            text = f"{file.name} cannot be used ({error}): the fold begins from flat."
+        except Exception as error:  # NumPy and zipfile raise whatever damaged bytes lead to
+            why = str(error).partition("\n")[0]
+            text = f"{file.name} cannot be used ({shortened(why)}): the fold begins from flat."
             self._told(Finding("checkpoint-unusable", Severity.WARNING, text))
             return None
         done = reached.number / loads
@@ -154,7 +153,7 @@ def _key(
 def _arrays(reached: Reached, key: str) -> dict[str, Any]:
     """As arrays; the last of the states is the one that the next load begins from."""
     states = [*reached.states, reached.state]
-    return {
+    arrays = {
         "key": np.array(key),
         "number": np.array(reached.number),
         "solved": np.array(reached.solved),
@@ -170,6 +169,16 @@ def _arrays(reached: Reached, key: str) -> dict[str, Any]:
         "settled": np.array([state.settled for state in states]),
         **_ragged("accepted", [state.accepted for state in states]),
     }
+    return {**arrays, "digest": np.array(_digest(arrays))}
+
+
+def _digest(arrays: Mapping[str, Any]) -> str:
+    """A hash of arrays with their names, types and shapes."""
+    digest = hashlib.sha256()
+    for name, array in sorted(arrays.items()):
+        digest.update(f"{name} {array.dtype.str} {array.shape}\n".encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 def _ragged(name: str, rows: Sequence[Sequence[float]]) -> dict[str, Any]:
@@ -183,11 +192,13 @@ def _rows(found: Mapping[str, Any], name: str) -> list[list[float]]:
 
 
 def _read(file: Path, key: str) -> Reached:
-    """What a file holds. Raises one of many errors where it is damaged, or of another fold."""
+    """What a file holds. Raises any error where it is damaged, or of another fold."""
     with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
         if str(archive["key"]) != key:
             raise ValueError("it is of another fold")
         found = {name: archive[name] for name in archive.files}
+    if str(found.pop("digest")) != _digest(found):
+        raise ValueError("it is damaged")
     accepted, energy = _rows(found, "accepted"), _rows(found, "energy")
     states = [
         FoldState(

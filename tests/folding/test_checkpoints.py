@@ -101,7 +101,16 @@ def test_damaged_and_foreign_files_are_not_used(miura, tmp_path):
     foreign = (tmp_path / "foreign.npz").read_bytes()
     np.savez(tmp_path / "foreign.npz", key=arrays["key"])
     bare = (tmp_path / "foreign.npz").read_bytes()
-    for wrong in (b"", b"quadfold", data[:100], data[:-1], bytes(flipped), foreign, bare):
+    np.savez(tmp_path / "foreign.npz", **{**arrays, "coords": arrays["coords"][:1]})
+    other = (tmp_path / "foreign.npz").read_bytes()
+    methods = bytearray(data)  # an archive may be squeezed in ways that are not known, or locked
+    methods[8], locked = 77, bytearray(data)
+    for place in range(len(data) - 4):
+        if data[place : place + 4] == b"PK\1\2":
+            methods[place + 10] = 77
+            locked[place + 8] |= 1
+    wrongs = (b"", b"quadfold", data[:100], data[:-1], bytes(flipped), foreign, bare, other)
+    for wrong in (*wrongs, bytes(methods), bytes(locked)):
         file.write_bytes(wrong)
         told = []
         again = fold(frame, STEPS, checkpoint=FoldCheckpoints(tmp_path, "x", told.append))
