@@ -68,7 +68,7 @@ def write_table(path: Path, schema: pa.Schema, rows: Iterable[Mapping[str, Any]]
     beside = path.with_name(f".{path.name}.{os.getpid()}")
     count = 0
     try:
-        with pq.ParquetWriter(beside, schema) as writer:
+        with pq.ParquetWriter(beside, schema, write_page_checksum=True) as writer:
             for chunk in _chunks(rows):
                 writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
                 count += len(chunk)
@@ -96,11 +96,16 @@ def _chunks(rows: Iterable[Mapping[str, Any]]) -> Iterator[list[Mapping[str, Any
 
 
 class Parts:
-    """The parts in a folder. Files that cannot be read are left aside, and named in `damaged`."""
+    """The parts in a folder.
+
+    Files that cannot be read are left aside, and named in `damaged`; so are those of other columns,
+    which another version has written, in `foreign` with the numbers of their rows.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.damaged: list[Path] = []
+        self.foreign: dict[Path, int] = {}
 
     def add(self, rows: Sequence[Mapping[str, Any]]) -> None:
         """Write a part. Raises `InvalidJob` where that cannot be."""
@@ -116,13 +121,19 @@ class Parts:
     def hashes(self) -> set[str]:
         """Of all jobs whose rows are there."""
         done: set[str] = set()
-        self.damaged = []
+        self.damaged, self.foreign = [], {}
         for path in self.paths():
             try:
-                found = pq.read_table(path, columns=["job_hash", *LIMITS])
-                done.update(found["job_hash"].to_pylist())
+                with pq.ParquetFile(path, page_checksum_verification=True) as file:
+                    found = file.read()
+                found.validate(full=True)
             except (OSError, pa.ArrowException):
                 self.damaged.append(path)
+                continue
+            if found.schema.equals(_ROW):
+                done.update(found["job_hash"].to_pylist())
+            else:
+                self.foreign[path] = len(found)
         return done
 
     def drop(self, unwanted: Callable[[Mapping[str, Any]], bool]) -> int:
@@ -158,6 +169,7 @@ class Parts:
         return sorted(self.folder.glob("*.parquet"))
 
     def readable(self) -> list[Path]:
-        """Those that can be read."""
+        """Those that can be read, and are of this version."""
         self.hashes()
-        return [path for path in self.paths() if path not in self.damaged]
+        aside = {*self.damaged, *self.foreign}
+        return [path for path in self.paths() if path not in aside]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from fab.sweeps.constraints import Constraint, constraints_of
 from fab.sweeps.dotted_names import named
 from fab.sweeps.engine import Pool, run_batches
 from fab.sweeps.pareto import pareto_front
+from fab.sweeps.parts import unwritten
 from fab.sweeps.rows import Batch
 from fab.sweeps.search_settings import SearchSettings
 from fab.sweeps.sweep_folder import SweepFolder
@@ -81,9 +83,29 @@ class Search:
         self.goals = Goals.of(self.settings)
         sweep.require_measured(self.goals.needed)
         self._between = constraints_of(sweep.constraints, [axis.key for axis in axes])
-        self.study = self._study(folder / _JOURNAL)
+        self._journal = folder / _JOURNAL
+        with self._whole():
+            self.study = self._study()
+            if len(self.study.directions) != len(self.goals.columns):
+                raise ValueError("a study of the same name has other goals")
+            self._take_up_ended()
+            self._count()
 
-    def _study(self, journal: Path) -> Any:
+    @contextmanager
+    def _whole(self) -> Iterator[None]:
+        """The journal is read. Raises `InvalidJob` where it is damaged, or cannot be written."""
+        try:
+            _drop_begun_line(self._journal)
+            yield
+        except OSError as error:
+            raise unwritten(self._journal, error) from error
+        except Exception as error:  # Optuna raises whatever damaged lines lead to
+            raise InvalidJob(
+                f"{self._journal}: is damaged. Delete it: the search begins anew, and takes the "
+                "rows that are there."
+            ) from error
+
+    def _study(self) -> Any:
         from optuna.storages import JournalStorage
         from optuna.storages.journal import JournalFileBackend
 
@@ -94,7 +116,7 @@ class Search:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of features that Optuna calls experimental
             return self.optuna.create_study(
-                storage=JournalStorage(JournalFileBackend(str(journal))),
+                storage=JournalStorage(JournalFileBackend(str(self._journal))),
                 study_name=name,
                 sampler=self.optuna.samplers.TPESampler(
                     seed=self.settings.seed,
@@ -109,7 +131,6 @@ class Search:
     def run(self, there: SweepFolder, pool: Pool, progress: Steps) -> int:
         """Run the trials that are left, and keep their rows. How many there were before."""
         rows = there.parts.rows(["status", *self.goals.needed])
-        self._take_up_ended()
         before = begun = self._count()
         asked: dict[str, list[Any]] = {}
 
@@ -203,6 +224,15 @@ class Search:
             return
         trial.set_user_attr(_EXCESS, self.goals.excess(row))
         self.study.tell(trial, values)
+
+
+def _drop_begun_line(journal: Path) -> None:
+    """Cut off the last line where a run was killed that wrote it: others would follow it there."""
+    if not journal.is_file():
+        return
+    with journal.open("r+b") as stream:
+        data = stream.read()
+        stream.truncate(data.rfind(b"\n") + 1)
 
 
 def _excess_of(trial: Any) -> Sequence[float]:

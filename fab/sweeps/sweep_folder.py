@@ -208,7 +208,7 @@ class SweepFolder:
                 yield {"number": variation.number, "job_hash": hashed, **values}
 
         count = write_table(self.path / "variations.parquet", schema, rows())
-        others, damaged = len(done - wanted), len(parts.damaged)
+        others, damaged = len(done - wanted) + sum(parts.foreign.values()), len(parts.damaged)
         return Plan(count, len(wanted), wanted - done, others, damaged)
 
     def hash_of(self, variation: Variation) -> str:

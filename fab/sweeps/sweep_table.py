@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fab.errors import InvalidJob
+from fab.files import shortened
 from fab.sweeps.dotted_names import named
 
 __all__ = ["Chosen", "choose", "column_named"]
@@ -63,10 +64,12 @@ def choose(
                 "CREATE TABLE results AS SELECT * FROM read_parquet(?)", [str(table)]
             )
         except duckdb.Error as error:
-            raise InvalidJob(f"{table}: is no table of a sweep: {error}") from error
+            raise InvalidJob(_no_table(table, _first_line(error))) from error
         connection.execute("SET enable_external_access = false")
         connection.execute("SET lock_configuration = true")
         columns = [row[0] for row in connection.execute("DESCRIBE results").fetchall()]
+        if lacking := {"number", "status"} - set(columns):
+            raise InvalidJob(_no_table(table, f"it has no column {min(lacking)}"))
         names = [column_named(name, columns) for name in show]
         if whole:
             names = columns
@@ -87,11 +90,23 @@ def choose(
                 f"SELECT {listed} {query}{order or ' ORDER BY number'}{limit}"
             ).fetchall()
         except duckdb.Error as error:
-            text = str(error).splitlines()[0]
+            why = _first_line(error)
+            if where is None:
+                raise InvalidJob(_no_table(table, why)) from error
             raise InvalidJob(
-                f"--where {where!r}: is no condition on these columns: {text}"
+                f"--where {where!r}: is no condition on these columns: {why}. Correct it."
             ) from error
     return Chosen(tuple(names), tuple(map(tuple, rows)), 0 if found is None else int(found[0]))
+
+
+def _no_table(table: Path, why: str) -> str:
+    return f"{table}: is no table of a sweep: {why}. Make it again with `quadfold sweep`."
+
+
+def _first_line(error: Exception) -> str:
+    """What an error of the database says first, in printable characters and without a stop."""
+    line = (str(error).splitlines() or [type(error).__name__])[0].rstrip(".? ")
+    return shortened("".join(c if c.isprintable() else "\ufffd" for c in line))
 
 
 def _usual(columns: Sequence[str], best: str | None, where: str | None) -> list[str]:

@@ -147,6 +147,23 @@ def test_conditions_are_met_by_the_best(tmp_path):
     assert len(allowed) < 30
 
 
+def test_a_journal_whose_last_line_was_begun_is_gone_on_with_and_a_damaged_one_refused(tmp_path):
+    search = 'minimise = ["flat.x_mm"], trials = {}'
+    searched(tmp_path, search.format(4), BOWL)
+    before, journal = rows_of(tmp_path), tmp_path / "out/search.journal"
+    whole = journal.read_bytes()
+    journal.write_bytes(whole + whole.splitlines()[-1][:9])
+    assert searched(tmp_path, search.format(6), BOWL).begun_with == 4
+    assert rows_of(tmp_path)[:4] == before
+    first, _, rest = whole.partition(b"\n")
+    for data in (b"{}\n", b"x\n" + whole, first + b"\n[]\n" + rest, b"\xff\n", whole[9:]):
+        journal.write_bytes(data)
+        with pytest.raises(InvalidJob, match=r"search\.journal: is damaged. Delete it: the search"):
+            searched(tmp_path, search.format(6), BOWL)
+    journal.unlink()
+    assert searched(tmp_path, search.format(6), BOWL).begun_with == 0
+
+
 def test_variations_that_constraints_leave_out_are_not_run(tmp_path):
     head = 'constraints = ["design.x < 0"]\n'
     searched(tmp_path, 'minimise = ["flat.x_mm"], trials = 20', BOWL, head)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from helpers import TEMPLATES
@@ -274,6 +275,15 @@ def test_the_table_is_chosen_from(here, small, tmp_path):
     for where in ("crossings =", "1; DROP TABLE results", "read_text('/etc/passwd') = ''"):
         refused = table("--where", where)
         assert refused.exit_code == 2, where
+    results = out / "results.parquet"
+    whole = pq.read_table(results)
+    for data in (b"PAR1", b"", results.read_bytes()[:-9]):
+        results.write_bytes(data)
+        assert "is no table of a sweep: " in table().stderr
+    for column in ("number", "status"):
+        pq.write_table(whole.drop_columns([column]), results)
+        words = f"is no table of a sweep: it has no column {column}. Make it again with"
+        assert words in table().stderr
 
 
 def test_figures_of_folds_panels_and_sheets_are_those_of_a_run(here, tmp_path):
@@ -384,6 +394,25 @@ def test_parts_keep_rows_when_others_of_them_are_dropped(tmp_path):
     assert parts.hashes() == {"h0", "h2"}
     parts.add([rows[0], rows[1], rows[3]])  # beginning with a row that another part begins with
     assert parts.hashes() == {"h0", "h1", "h2", "h3"}
+
+
+def test_parts_that_are_damaged_or_of_other_columns_are_left_aside(here, small, tmp_path):
+    """Whatever value is damaged, not those alone that say which rows there are."""
+    whole = run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
+    rows = rows_of(tmp_path / "out")
+    (part, *_) = parts = Parts(tmp_path / "out" / "parts").paths()
+    group, data = pq.read_metadata(part).row_group(0), bytearray(part.read_bytes())
+    columns = [group.column(number) for number in range(group.num_columns)]
+    column = next(each for each in columns if each.path_in_schema == "planarity_max")
+    data[(column.dictionary_page_offset or 0) + column.total_compressed_size - 1] ^= 1
+    part.write_bytes(data)
+    for name in ("seconds", "job_hash"):
+        older = pq.read_table(parts[-1]).drop_columns([name])
+        pq.write_table(older, part.with_name(f"older_{name}.parquet"))
+    again = run_sweep(load_sweep(small), tmp_path / "out", jobs=1)
+    assert (again.damaged, again.others) == (1, 2 * len(pq.read_table(parts[-1])))
+    assert again.begun_with < whole.jobs
+    assert rows_of(tmp_path / "out") == rows
 
 
 def test_a_process_of_a_sweep_that_begins_a_sweep_is_told_what_is_missing(
