@@ -121,8 +121,10 @@ def highest(
 
     anchor : shape (2,). slant : direction of the text, radians. hang : distance of its middle from
     its anchor, to the left, in heights. A text of no height must be in the room, at the anchor or
-    beside it.
+    beside it. In a room that is empty it is 0.
     """
+    if room.is_empty:
+        return 0.0
     c, s = np.cos(slant), np.sin(slant)
     box_width, box_height = text_box(text)
     low, top = hang - box_height / 2, hang + box_height / 2

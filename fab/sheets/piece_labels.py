@@ -135,7 +135,11 @@ def _place_for(
     Faces without seams are preferred, unless letters on them are less than half as high.
     """
     shapes = np.asarray(rooms)
-    large = np.argsort(-shapely.area(shapes), kind="stable")[:_MOST_TRIED]
+    areas = shapely.area(shapes)
+    large = np.argsort(-areas, kind="stable")[:_MOST_TRIED]
+    large = large[areas[large] > 0]  # some may be taken by openings whole
+    if not len(large):
+        return 0, np.zeros(2), 0.0
     near = 0.1 * shapely.area(shapes[large]) / shapely.length(shapes[large])
     disks = shapely.maximum_inscribed_circle(shapes[large], tolerance=near)
     middles = shapely.get_coordinates(disks)[::2]

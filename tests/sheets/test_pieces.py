@@ -18,6 +18,7 @@ from fab.pattern.crease_pattern import CreasePattern, assignments, crease_patter
 from fab.pattern.development import develop
 from fab.pattern.overlap import overlapping_faces
 from fab.sheets.labels import highest, number_text, text_box, text_lines, text_width
+from fab.sheets.piece_labels import EdgeTexts, piece_labels
 from fab.sheets.pieces import Pieces, SheetSplit, split
 from fab.sheets.stroke_letters import letter_strokes, writable
 from solver import Crumpled, CurvedFold, InvalidValue, Miura, QuadMesh
@@ -669,3 +670,15 @@ def test_pieces_that_may_not_turn_are_divided_until_they_fit_as_they_are():
     for piece in kept.pieces:
         assert (np.ptp(piece.pattern.vertices_coords, axis=0) <= bed).all()
         assert np.ptp(piece.pattern.vertices_coords, axis=0)[0] == pytest.approx(20.0)
+
+
+def test_faces_that_openings_take_whole_have_no_room_for_labels():
+    pattern = grid(2, 1, 10.0)
+    sides = np.array([[[0.0, 0.0], [10.0, 0.0]], [[10.0, 0.0], [20.0, 0.0]]])
+    seams = EdgeTexts(("1", "2"), np.arange(2), sides)
+    first = np.array([[-1.0, -1.0], [10.5, -1.0], [10.5, 11.0], [-1.0, 11.0]])
+    name, one, two = piece_labels(pattern, "A", 2, seams, 2.0, [first])
+    assert one is None
+    assert min(name.at[0], two.at[0]) > 10.5
+    both = [first, first + np.array([10.0, 0.0])]
+    assert piece_labels(pattern, "A", 2, seams, 2.0, both) == (None, None, None)
