@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fuzz.kept_kinds import KEPT_KINDS
 from fuzz.mesh_kinds import MESH_KINDS
 from fuzz.pattern_kinds import PATTERN_KINDS
 from fuzz.product_kinds import PRODUCT_KINDS
@@ -12,5 +13,12 @@ __all__ = ["KINDS"]
 
 KINDS = {
     kind.name: kind
-    for kind in (*TABLE_KINDS, *PATTERN_KINDS, *MESH_KINDS, *STUDIO_KINDS, *PRODUCT_KINDS)
+    for kind in (
+        *TABLE_KINDS,
+        *PATTERN_KINDS,
+        *MESH_KINDS,
+        *KEPT_KINDS,
+        *STUDIO_KINDS,
+        *PRODUCT_KINDS,
+    )
 }

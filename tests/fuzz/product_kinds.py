@@ -1,4 +1,7 @@
-"""Whole products of inputs with faults: sheets and panels of patterns, and the files of jobs."""
+"""Whole products of inputs with faults.
+
+Sheets, panels, folds and files of other programs of patterns, and the files of jobs.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,15 @@ from fuzz.table_faults import Corpus
 from fuzz.trials import Kind
 
 from fab.drawings.drawing_files import SheetFormat
+from fab.folding.fold_settings import FoldSettings
+from fab.folding.simulation import Solver
+from fab.formats.reading import read_pattern_file
+from fab.jobs.conversion import WRITTEN, convert
+from fab.jobs.folding_files import SimulationFormat, simulate
 from fab.jobs.job import Job, load_job
 from fab.jobs.job_files import make
 from fab.jobs.job_formats import Format
+from fab.jobs.pattern_check import check_pattern
 from fab.jobs.print_files import make_thick
 from fab.jobs.reading import read_sheet
 from fab.jobs.sheet_files import fabricate
@@ -81,6 +90,36 @@ def _panels(path: Path, random: Random) -> str:
     return str(len(make_thick(pattern, "a", ThickSettings(), formats=[ThickFormat.STL]).files))
 
 
+def _converted(path: Path, random: Random) -> str:
+    """A pattern is checked, and written for another program."""
+    read = read_pattern_file(path, options_of(random))
+    if len(read.pattern.edges_vertices) > _MOST_EDGES:
+        return ""
+    check = check_pattern(read.pattern, 1e-6)
+    target = path.with_name(f"written{_of(random, WRITTEN)}")
+    made = convert(read, target)
+    for name, data in made.files.items():
+        (path.parent / name).write_bytes(data)
+    if target.suffix == ".fold":
+        counts = read_pattern_file(target).pattern.counts()
+        assert counts == read.pattern.counts(), f"{counts}, not {read.pattern.counts()}"
+    sizes = {name: len(data) for name, data in sorted(made.files.items())}
+    return f"{check is not None and check.crossings} {sizes} {made.findings}"
+
+
+def _folded(path: Path, random: Random) -> str:
+    pattern = _read(path, random)
+    if pattern is None or pattern.face_count > _MOST_FACES:
+        return ""
+    solver = _of(random, (Solver.QUASI_STATIC, Solver.RIGID))
+    settings, formats = FoldSettings(steps=2), [SimulationFormat.FOLD]
+    return str(len(simulate(pattern, "a", settings, solver=solver, formats=formats).files))
+
+
+def _of(random: Random, values: Any) -> Any:
+    return values[int(random.integers(len(values)))]
+
+
 @cache
 def _corpus() -> Corpus:
     return Corpus(_JOBS)
@@ -106,5 +145,7 @@ _SLOW: dict[str, Any] = {"seconds": 120.0, "memory_mb": 600.0, "opens": True}
 PRODUCT_KINDS = (
     Kind("sheet", "fuzzed.fold", partial(fuzzed, "fold"), _sheet, **_SLOW),
     Kind("panels", "fuzzed.fold", partial(fuzzed, "fold"), _panels, **_SLOW),
+    Kind("converted", "fuzzed.fold", partial(fuzzed, "fold"), _converted, **_SLOW),
+    Kind("folded", "fuzzed.fold", partial(fuzzed, "fold"), _folded, **_SLOW),
     Kind("made-job", "job.toml", lambda random: _corpus().written(random), _made, **_SLOW),
 )

@@ -23,7 +23,7 @@ from fab.sweeps.search import Goals
 from fab.sweeps.sweep_settings import load_sweep
 from fab.sweeps.variations import variations_of
 
-__all__ = ["TABLE_KINDS"]
+__all__ = ["TABLE_KINDS", "documents"]
 
 _CHANGES = (
     *("panels.thickness_mm=1.2", "design.rows=3", "design.kind=miura", "x", "=", "a.b=1", "a=[[["),
@@ -102,7 +102,8 @@ def _of(random: Random, values: Any) -> Any:
     return values[int(random.integers(len(values)))]
 
 
-def _documents(folder: Any, kind: str | None = None) -> list[dict[str, Any]]:
+def documents(folder: Any, kind: str | None = None) -> list[dict[str, Any]]:
+    """Shipped tables of a folder, and jobs of the documentation."""
     found = [
         tomllib.loads(path.read_text(encoding="utf-8")) for path in shipped(folder).values()
     ] + [table for table in _documented() if folder == "jobs" and "design" in table]
@@ -187,16 +188,16 @@ def _sweeps() -> list[Mapping[str, Any]]:
 
 
 TABLE_KINDS = (
-    _kind("job", lambda: _documents("jobs"), _job, share=4.0),
-    _kind("material", lambda: _documents("materials", "sheet"), _read(load_material), share=4.0),
-    _kind("cutter", lambda: _documents("machines", "cutter"), _read(load_machine), share=4.0),
-    _kind("printer", lambda: _documents("machines", "printer"), _read(load_printer), share=5.0),
+    _kind("job", lambda: documents("jobs"), _job, share=4.0),
+    _kind("material", lambda: documents("materials", "sheet"), _read(load_material), share=4.0),
+    _kind("cutter", lambda: documents("machines", "cutter"), _read(load_machine), share=4.0),
+    _kind("printer", lambda: documents("machines", "printer"), _read(load_printer), share=5.0),
     _kind(
         "print-material",
-        lambda: _documents("materials", "print"),
+        lambda: documents("materials", "print"),
         _read(load_print_material),
         share=5.0,
     ),
     _kind("sweep", _sweeps, _sweep, _swept, opens=True),
-    _kind("studio-job", lambda: _documents("jobs"), _opened),
+    _kind("studio-job", lambda: documents("jobs"), _opened),
 )
