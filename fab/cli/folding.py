@@ -316,16 +316,12 @@ def _pattern(
 
 
 def _summary(report: Mapping[str, Any]) -> Iterator[str]:
+    from fab.jobs.simulated_sheet import sentences
+
+    yield from sentences(report)
     verdict = report["verdict"]
     if verdict is None:
-        yield report["rigid"]["text"]
         return
-    yield verdict["text"]
-    if report["rigid"]["text"] not in verdict["text"]:
-        yield f"with rigid faces: {report['rigid']['text']}"
-    layers = report["layers"]
-    if layers is not None and layers["text"] not in verdict["text"]:
-        yield layers["text"]
     far = verdict["rmsd_rel"]
     reached = "folds to its target" if verdict["reached"] else "does not reach its target"
     if verdict["kind"] == "cannot-lie-flat":

@@ -11,24 +11,19 @@ from typing import TYPE_CHECKING, Any
 from fab.errors import Finding
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.quasi_static import Checkpoint
-from fab.folding.rigid_findings import no_motion, with_motion
+from fab.folding.rigid_findings import no_motion
 from fab.folding.rigid_motion import rigid_motion
-from fab.folding.simulation import Solver, fold_and_judge, fold_rigidly_and_judge
+from fab.folding.simulation import Solver, fold_rigidly_and_judge
 from fab.folding.target_forms import form_difference
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import folded_form
-from fab.folding.verdict_words import in_words
 from fab.formats.fold.writer import fold_bytes
-from fab.jobs.bearing_sheets import bearing_sheets
 from fab.jobs.file_names import FOLDING
-from fab.layers.layer_findings import inspect_layers
-from fab.layers.layer_orders import layer_orders
+from fab.jobs.simulated_sheet import judged_sheet, simulated_sheet
 from fab.outputs import Made, with_report
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_angles
 from fab.progress import Progress, silent
-from fab.viewing.layered_scene import layered
-from fab.viewing.scene_builders import folding_scene
 from solver.vectors import IntArray
 
 if TYPE_CHECKING:
@@ -105,11 +100,17 @@ def simulate(
     }
     stem = f"{name}_folding"
     if solver is not Solver.RIGID:
-        folding, verdict, found = fold_and_judge(
-            pattern, settings, solver, progress, tolerance, checkpoint
+        made = simulated_sheet(
+            pattern,
+            settings,
+            solver,
+            tolerance=tolerance,
+            face_orders=face_orders,
+            material=material,
+            progress=progress,
+            checkpoint=checkpoint,
         )
-        motion = rigid_motion(pattern, folding.frame)
-        found, shown, rigid = with_motion(found, verdict, motion), folding, motion.report()
+        report |= made.report()
     else:
         motion = rigid_motion(pattern)
         if not len(motion.path):
@@ -120,12 +121,21 @@ def simulate(
         fold, verdict, found = fold_rigidly_and_judge(
             pattern, motion, settings, progress, tolerance, fold_flat=fold_flat
         )
-        folding, shown, rigid = fold.folding, fold.shown, motion.report() | fold.report(motion)
-    progress("layers", 0, 1)
-    layers = layer_orders(pattern, face_orders)
-    seen = layers if verdict.reached else None
-    found = [*found, *inspect_layers(layers)]
-    words = in_words(folding, verdict, motion, found, bearing_sheets(material), tolerance)
+        made = judged_sheet(
+            pattern,
+            fold.folding,
+            verdict,
+            motion,
+            found,
+            shown=fold.shown,
+            tolerance=tolerance,
+            face_orders=face_orders,
+            material=material,
+            progress=progress,
+        )
+        report |= made.report()
+        report["rigid"] |= fold.report(motion)
+    folding, verdict, found = made.folding, made.verdict, [*made.findings]
     files: dict[str, bytes] = {}
     sheet = folding.frame.sheet.pattern
     carried: CarriedLoads | None = None
@@ -135,45 +145,41 @@ def simulate(
         carried = carried_loads(
             folding, settings.loads, material, name, upright=upright, progress=progress
         )
-        found = [*found, *carried.findings()]
+        found += carried.findings()
     if SimulationFormat.FOLD in formats:
         progress("write", 0, 1)
         size = folding.frame.size_mm
         states = [
-            (f"{state.load:.2%} of the way", state.coords * size) for state in shown.states[1:]
+            (f"{state.load:.2%} of the way", state.coords * size) for state in made.shown.states[1:]
         ]
         if carried is not None:
             states += carried.states_mm(folding.states[-1].coords * size)
         form = folded_form(folding, verdict, tolerance)
         folded = None if form is None else form * size
-        orders = None if layers is None or not len(layers.orders) else layers.orders
+        orders = made.layers.orders if made.layers and len(made.layers.orders) else None
         shown_sheet = replace(sheet, folded_coords=folded)
         files[f"{stem}.fold"] = fold_bytes(shown_sheet, name, states, orders)
     if SimulationFormat.PNG in formats:
         from fab.viewing.folding_picture import states_png_bytes
 
         progress("draw", 0, 1)
-        files[f"{stem}.png"] = states_png_bytes(
-            layered(folding_scene(shown, name, upright=upright), seen)
-        )
+        files[f"{stem}.png"] = states_png_bytes(made.scene(name, upright=upright))
         if carried is not None:
             files[f"{stem}_loads.png"] = carried.png_bytes()
     if SimulationFormat.GIF in formats:
         from fab.viewing.folding_picture import folding_gif_bytes
 
-        scene = layered(folding_scene(shown, name, upright=upright), seen)
+        scene = made.scene(name, upright=upright)
         files[f"{stem}.gif"] = folding_gif_bytes(scene, partial(progress, "draw"))
     differs = form_difference(folding.frame, tolerance) is not None
     angles = [] if differs else inspect_angles(sheet)
     every = [*findings, *angles, *found]
-    report |= {"verdict": words.report() | verdict.report(), "rigid": rigid}
-    report["layers"] = None if layers is None else layers.report()
     if carried is not None:
         report["loads"] = carried.report()
     if tolerance_deg is not None:
         report["tolerance_deg"] = tolerance_deg
     if {SimulationFormat.GLB, SimulationFormat.HTML} & set(formats):
-        scene = layered(folding_scene(shown, name, findings=every, upright=upright), seen)
+        scene = made.scene(name, findings=every, upright=upright)
         files |= _scene_files(scene, stem, formats, report, files)
     progress("write", 1, 1)
     return with_report(files, FOLDING.report_name(name), report, every)

@@ -144,42 +144,28 @@ def simulation_part(
     settings = sheet.settings.simulation
     if settings is None:
         return Part(report={"simulation": None})
-    from fab.folding.rigid_findings import with_motion
-    from fab.folding.rigid_motion import rigid_motion
-    from fab.folding.simulation import fold_and_judge
-    from fab.folding.verdict_words import in_words
-    from fab.jobs.bearing_sheets import bearing_sheets
-    from fab.layers.layer_findings import inspect_layers
-    from fab.layers.layer_orders import layer_orders
+    from fab.jobs.simulated_sheet import simulated_sheet
 
-    folding, verdict, findings = fold_and_judge(
-        sheet.pattern, settings, progress=clock.progress, checkpoint=checkpoint
-    )
-    motion = rigid_motion(sheet.pattern, folding.frame)
-    layers = layer_orders(sheet.pattern)
-    findings = [*with_motion(findings, verdict, motion), *inspect_layers(layers)]
     cutter = sheet.settings.cutter
     material = None if cutter is None else cutter.material
-    words = in_words(folding, verdict, motion, findings, bearing_sheets(material))
+    made = simulated_sheet(
+        sheet.pattern, settings, material=material, progress=clock.progress, checkpoint=checkpoint
+    )
+    findings: Sequence[Finding] = made.findings
     scene: Scene | None = None
     if wanted & OF_SCENES:
-        from fab.viewing.layered_scene import layered
-        from fab.viewing.scene_builders import folding_scene
-
-        scene = layered(
-            folding_scene(folding, sheet.settings.name, upright=sheet.upright),
-            layers if verdict.reached else None,
-        )
-    report = {"simulation": words.report() | verdict.report(), "rigid": motion.report()}
-    if layers is not None:
-        report["layers"] = layers.report()
+        scene = made.scene(sheet.settings.name, upright=sheet.upright)
+    found = made.report()
+    report = {"simulation": found["verdict"], "rigid": found["rigid"]}
+    if found["layers"] is not None:
+        report["layers"] = found["layers"]
     files: dict[str, bytes] = {}
     if settings.loads is not None:
         from fab.jobs.sheet_loads import carried_loads
 
         name = sheet.settings.name
         carried = carried_loads(
-            folding,
+            made.folding,
             settings.loads,
             material,
             name,
