@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MOST_CHANGES", "MOST_MESSAGE", "Studio", "studio_app"]
 
-# Seconds that a sheet, a picture and all files of a job may take.
+# Seconds that a sheet, a picture, and all files of a job or its simulation may take.
 _GROW_S, _PICTURE_S, _MAKE_S = 300.0, 30.0, 3600.0
 # Of a message: a job's text, escaped, and changes to it.
 MOST_MESSAGE = 3 * MOST_BYTES
@@ -78,7 +78,8 @@ class Studio:
     token : without which it answers nothing.
     file : in the folder, a job or a pattern that it begins with; None for the gallery.
     allow_code : whether a Python file that a job names is run.
-    worker, painter, maker : processes that grow sheets, draw the gallery and make files.
+    worker, painter, maker : processes that grow sheets, draw the gallery, and make files and
+        simulate.
     """
 
     folder: Path
@@ -237,6 +238,17 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
         exports[0].add(key, [name for name, _ in found["files"]])
         return packed_answer({**found, "key": key})
 
+    async def simulate(message: Mapping[str, Any]) -> bytes:
+        arguments: dict[str, Any] = {"contact": message.get("contact") is True}
+        if "text" in message:
+            task = "simulate"
+            arguments |= {"text": _text_of(message), **common}
+        else:
+            task = "simulate_file"
+            arguments["path"] = str(inside(studio.folder, _word(message, "file")))
+        found: bytes = await _ask(studio.maker, task, arguments, _MAKE_S, _tab(message))
+        return found
+
     async def keep(message: Mapping[str, Any]) -> bytes:
         into = inside(studio.folder, _word(message, "into"))
         await run_in_threadpool(exports[0].keep, _word(message, "key"), into)
@@ -286,7 +298,7 @@ def studio_app(studio: Studio, hosts: frozenset[str]) -> Starlette:
 
     posts = {"open": opened, "grow": grow, "fold": fold, "read": read, "save": save}
     posts |= {"make": make, "keep": keep, "progress": progress, "stop": stop, "stock": stocked}
-    posts |= {"hand": hand, "next_strip": next_strip, "by_hand": by_hand}
+    posts |= {"hand": hand, "next_strip": next_strip, "by_hand": by_hand, "simulate": simulate}
     base = "/{token}"
     return Starlette(
         routes=[

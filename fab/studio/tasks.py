@@ -1,4 +1,4 @@
-"""What the studio's worker does: grow, show, fold, picture and make. By name, in `TASKS`."""
+"""What the studio's workers do: grow, show, fold, simulate, picture, make. By name, in `TASKS`."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from fab.studio.form_fields import form_fields
 from fab.studio.hand_growth import by_hand, hand_state, next_strip
 from fab.studio.job_text import changed_text, job_of_text
 from fab.studio.messages import packed_answer
+from fab.studio.simulation import simulate, simulate_file
 from fab.viewing.face_triangles import face_corner_triangles
 from fab.viewing.level_of_detail import detail_note
 from fab.viewing.predicted_fold import predicted_scene
@@ -130,6 +131,8 @@ TASKS: Mapping[str, Callable[..., Any]] = {
     "fold": fold,
     "read": read,
     "read_fold": read_fold,
+    "simulate": simulate,
+    "simulate_file": simulate_file,
     "picture": picture,
     "export": export,
     "hand_state": hand_state,

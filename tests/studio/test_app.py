@@ -8,18 +8,27 @@ import zipfile
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from helpers import ROOT, TEMPLATES
+from flat_patterns import grid
+from folded_strips import folded_strip
+from helpers import PATTERNS, ROOT, TEMPLATES
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from starlette.testclient import TestClient
 from studio_answers import arrays_of, head_of
 
+from fab import read_pattern
 from fab.catalogue import shipped
 from fab.cli.group import main
+from fab.folding.fold_settings import FoldSettings
+from fab.formats.fold.writer import fold_bytes
+from fab.jobs.folding_files import simulate
+from fab.jobs.job_files import grown_sheet
+from fab.jobs.simulated_sheet import sentences, simulated_sheet
 from fab.preferences import set_preference
 from fab.studio.app import Studio, studio_app
 from fab.studio.job_text import job_of_text
 from fab.studio.serving import free_socket
+from solver.vectors import norm
 
 HOST = "127.0.0.1:8765"
 MIURA = (TEMPLATES / "miura.toml").read_text(encoding="utf-8")
@@ -144,6 +153,63 @@ def test_states_run_from_flat_to_folded(client):
 def test_whole_numbers_that_no_float_holds_are_refused(client, path):
     refused = head_of(grown(client, changes=[[path, 10**400]]))["refused"]
     assert ".".join(path) in refused
+
+
+def codes_of(head):
+    return [each["code"] for each in head["findings"]]
+
+
+def test_a_job_is_simulated_as_by_its_command(client):
+    text = head_of(grown(client, changes=SMALL))["text"]
+    data = ask(client, "simulate", text=text)
+    head, arrays = head_of(data), arrays_of(data)
+    job = job_of_text(text, ROOT)
+    made = simulate(grown_sheet(job).pattern, "miura", formats=["html"], upright=False)
+    assert head["sentences"] == list(sentences(made.report))
+    assert codes_of(head) == [each.code for each in made.findings]
+    assert not head["wrong"]
+    assert head["shares"] == pytest.approx(np.linspace(0, 1, 11))
+    assert (arrays["edgesSource"] == np.arange(len(head["letters"]))).all()
+    folded = arrays_of(grown(client, text))["folded"].reshape(-1, 3)
+    states = arrays["positions"].reshape(11, -1, 3)
+    assert norm(np.ptp(states[-1], axis=0)) == pytest.approx(norm(np.ptp(folded, axis=0)), rel=1e-3)
+
+
+def test_a_base_is_simulated_in_contact_with_its_layers_in_order(client, folder):
+    name = "bird_base.fold"
+    (folder / name).write_bytes((PATTERNS / name).read_bytes())
+    data = ask(client, "simulate", file=name)
+    head, arrays = head_of(data), arrays_of(data)
+    assert "folds flat: yes, its layers have 16 orders" in head["sentences"]
+    assert "folded-in-contact" in codes_of(head)
+    states = arrays["positions"].reshape(head["states"], -1, 3)
+    thickness = np.ptp(states[-1][:, 2])
+    pattern = read_pattern(folder / name)[0]
+    sheet = simulated_sheet(pattern, FoldSettings()).scene("x")
+    np.testing.assert_allclose(states, sheet.states_coords, atol=1e-4)
+    assert thickness > 3 * sheet.layer_mm > 0  # layers are apart
+
+
+def test_a_sheet_that_is_stopped_is_simulated_up_to_there(client, folder):
+    pattern = folded_strip([30.0] * 3, [150.0] * 2)
+    (folder / "stuck.fold").write_bytes(fold_bytes(pattern, "stuck"))
+    through = head_of(ask(client, "simulate", file="stuck.fold"))
+    stopped = head_of(ask(client, "simulate", file="stuck.fold", contact=True))
+    assert (through["wrong"], stopped["wrong"]) == (False, True)
+    assert through["shares"][-1] == 1
+    for head in (through, stopped):
+        assert "faces 0 and 2 press on each other from 80.0% of the fold on" in head["sentences"][0]
+        finding = next(each for each in head["findings"] if each["code"] == "stopped-by-contact")
+        assert finding["panels"] == [0, 2]
+
+
+def test_cuts_are_open_where_a_sheet_is_simulated(client, folder):
+    pattern = grid(2, 2, 20.0, cuts=[(1, 4)])
+    (folder / "cut.fold").write_bytes(fold_bytes(pattern, "cut"))
+    data = ask(client, "simulate", file="cut.fold")
+    source = arrays_of(data)["edgesSource"]
+    assert len(source) == len(pattern.edges_vertices) + 1
+    assert set(source) == set(range(len(pattern.edges_vertices)))
 
 
 def test_refusals_name_the_key_and_growth_that_stops_is_shown(client):

@@ -3,8 +3,11 @@
 import re
 
 import pytest
-from helpers import ROOT
+from folded_strips import folded_strip
+from helpers import PATTERNS, ROOT
 from studio_pages import differ, make, put, shot, verdict, wait_until
+
+from fab.formats.fold.writer import fold_bytes
 
 
 def test_a_value_changes_form_and_pattern(page):
@@ -35,6 +38,53 @@ def test_the_slider_folds_the_sheet(page):
         seen.append(shot(page))
     assert differ(seen[0], seen[1]) > 0.01
     assert differ(seen[1], seen[2]) > 0.01
+
+
+def simulated(page):
+    return page.locator("#simulated").text_content()
+
+
+def test_the_fold_is_simulated_until_the_sheet_changes(page):
+    page.locator("#simulate").click()
+    wait_until(page, lambda: "Folds rigidly" in simulated(page))
+    assert page.locator("#state").text_content() == "folded"
+    folded = shot(page)
+    page.locator("#fold").evaluate("(s) => { s.value = 0.5; s.dispatchEvent(new Event('input')); }")
+    assert page.locator("#state").text_content() == "50% of the fold"
+    assert differ(folded, shot(page)) > 0.01
+    put(page, "design.rows", 4)
+    wait_until(page, lambda: verdict(page) == "grown: 24 faces.")
+    assert simulated(page) == ""
+
+
+def test_contact_that_stops_a_sheet_is_named_and_shown(page, tmp_path):
+    file = tmp_path / "stuck.fold"
+    file.write_bytes(fold_bytes(folded_strip([30.0] * 3, [150.0] * 2), "stuck"))
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(file)
+    wait_until(page, lambda: verdict(page).startswith("read: 3 faces"))
+    page.locator("#contact").check()
+    page.locator("#simulate").click()
+    assert page.locator("#make").is_disabled()  # one thing at a time
+    wait_until(page, lambda: "press on each other from 80.0%" in simulated(page))
+    assert page.locator("#make").is_enabled()
+    assert page.locator("#simulated .verdict.error").count() == 1
+    assert "stopped-by-contact" in page.locator("#findings").text_content()
+    before = shot(page)
+    page.get_by_label("Show stopped-by-contact").click()
+    assert differ(before, shot(page)) > 0.01
+
+
+def test_a_simulation_is_cancelled(page):
+    page.locator("#to-gallery").click()
+    page.locator("#file").set_input_files(PATTERNS / "crane.fold")
+    wait_until(page, lambda: verdict(page).startswith("read"))
+    page.locator("#simulate").click()
+    wait_until(page, lambda: page.locator("#simulating .stage").text_content() != "begins …")
+    page.locator("#simulating button").click()
+    wait_until(page, lambda: simulated(page) == "Cancelled.")
+    assert page.locator("#simulate").is_enabled()
+    assert not page.locator("#simulating").is_visible()
 
 
 def test_a_refused_value_is_named_and_the_last_good_form_kept(page):

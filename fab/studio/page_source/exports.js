@@ -1,23 +1,24 @@
 // Files of the job: which are made, how far that is, and where they go.
 
+import { HowFar } from "./how_far.js";
 import { ask } from "./messages.js";
 
-const LOOK_AFTER = 400; // milliseconds between two looks at how far it is
 const STOCK = { material: "sheet", machine: "cutter", printer: "printer", print_material: "print" };
 const COMMON = { material: "card_300gsm", machine: "co2_60w_600x400" }; // where the user has set none
 const find = (selector) => document.querySelector(selector);
 
 export class Exports {
-  /** source : says what files are made of, { text } or { file }. */
-  constructor(source) {
+  /** source : says what files are made of, { text } or { file }. busy : called with whether it is at work. */
+  constructor(source, busy) {
     this.source = source;
-    this.busy = this.allowed = false;
+    this.busy = busy;
+    this.howFar = new HowFar(find("#making"));
+    this.allowed = false;
     for (const radio of document.querySelectorAll("input[name=command]")) {
       radio.addEventListener("change", () => this.#choose());
     }
     find("#make").addEventListener("click", () => this.#make());
     find("#keep").addEventListener("click", () => this.#keep());
-    find("#cancel").addEventListener("click", () => ask("stop", {}));
   }
 
   /** Begin with another job or pattern: nothing is made of it yet. */
@@ -39,7 +40,7 @@ export class Exports {
   /** Whether there is a sheet that files can be made of. */
   allow(allowed) {
     this.allowed = allowed;
-    find("#make").disabled = !allowed || this.busy;
+    find("#make").disabled = !allowed || this.howFar.busy;
   }
 
   #forget() {
@@ -79,27 +80,9 @@ export class Exports {
   }
 
   #setBusy(busy) {
-    this.busy = busy;
+    this.howFar.set(busy);
     this.allow(this.allowed);
-    find("#making").hidden = !busy;
-    clearTimeout(this.timer);
-    if (!busy) return;
-    find("#bar").removeAttribute("value");
-    find("#stage").textContent = "begins …";
-    this.timer = setTimeout(() => this.#look(), LOOK_AFTER);
-  }
-
-  async #look() {
-    const { step } = await ask("progress", {});
-    if (!this.busy) return;
-    if (step) {
-      const { stage, done, total, left } = step;
-      const share = total > 1 ? ` ${done} of ${total}` : "";
-      find("#stage").textContent = stage + share + (left === null ? "" : `, ${timeOf(left)} left`);
-      if (total > 1) find("#bar").value = done / total;
-      else find("#bar").removeAttribute("value");
-    }
-    this.timer = setTimeout(() => this.#look(), LOOK_AFTER);
+    this.busy(busy);
   }
 
   #show({ key, name, files, page, sound, findings, findingsCount }) {
@@ -156,10 +139,6 @@ function fill(select, stock, usual, optional) {
 
 function loading(href, name) {
   return Object.assign(document.createElement("a"), { href, download: name, textContent: name });
-}
-
-function timeOf(seconds) {
-  return seconds < 90 ? `about ${Math.max(1, Math.round(seconds))} s` : `about ${Math.round(seconds / 60)} min`;
 }
 
 function size(bytes) {

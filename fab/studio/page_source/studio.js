@@ -7,6 +7,7 @@ import { fillForm, markFaults } from "./job_form.js";
 import { LiveForm, LivePattern, toForm } from "./live_view.js";
 import { remember, remembered } from "./memory.js";
 import { Newest, ask, leave, post } from "./messages.js";
+import { Simulation, shareAt } from "./simulation.js";
 
 const STRIPS = JSON.stringify(["design", "strips"]); // as changes are kept by
 const STUDIO = "quadfold studio";
@@ -16,7 +17,11 @@ const find = (selector) => document.querySelector(selector);
 const start = await (await fetch("start")).json();
 const pattern = new LivePattern(find("#pattern"), start.colours.edges);
 const queue = new Newest(show);
-const files = new Exports(() => (job ? { text: job.text } : { file: sheet.source.file }));
+const files = new Exports(
+  () => (job ? { text: job.text } : { file: sheet.source.file }),
+  (busy) => simulation.allow(!busy && grown),
+);
+const simulation = new Simulation({ sheet: () => sheet, use: showSimulated, busy: (busy) => files.allow(!busy && grown) });
 const hand = new HandGrowth({
   pattern,
   notice,
@@ -29,6 +34,7 @@ const hand = new HandGrowth({
 });
 let view; // of the form, made with the first sheet
 let sheet; // the last good one
+let grown = false; // whether it is of the job as it is now
 let job; // its text, and changes that were not accepted yet
 let foldTimer;
 const pictures = new Set(); // those in sight that are not drawn yet
@@ -144,6 +150,7 @@ function title(text) {
 /** Show no sheet: that of another job is not one of this. */
 function clear() {
   sheet = undefined;
+  simulation.forget();
   find(".views").classList.add("empty");
   find("#sizes").textContent = "";
   find("#findings").replaceChildren();
@@ -157,11 +164,11 @@ function clear() {
  * saved : what the file has, where this tab knows that; keeps : leave the last sheet in sight.
  */
 async function openJob(message, file, { unsettled = [], saved, keeps = false } = {}) {
-  const { allowed } = files;
+  const before = grown;
   allowFiles(false); // until it is grown: they are not to be of the job before
   const answer = await ask("open", message);
   if (!answer.fields) {
-    allowFiles(allowed);
+    allowFiles(before);
     return refuse(answer);
   }
   notice("");
@@ -268,7 +275,8 @@ function show(answer, later) {
   markFaults(find("#form"), "");
   if (job) settle(answer);
   const { numbers } = answer;
-  const same = sheet?.topology === answer.topology && !numbers.triangles && sheet.letters === answer.letters;
+  const same =
+    sheet?.topology === answer.topology && !numbers.triangles && sheet.letters === answer.letters && !sheet.simulated;
   sheet = {
     ...sheet,
     ...numbers,
@@ -276,10 +284,14 @@ function show(answer, later) {
     letters: answer.letters,
     view: answer.view ?? sheet.view,
     states: [numbers.folded],
+    simulated: undefined,
+    findings: answer.findings,
+    more: answer.findingsCount - answer.findings.length,
     folds: "folded" in answer.boxes,
     colours: start.colours,
     source: answer.job ? { text: answer.text } : { file: answer.file },
   };
+  simulation.forget();
   find(".views").classList.remove("empty");
   showDetail(answer.detail);
   drawForm(same);
@@ -315,15 +327,28 @@ function settle({ text, name, changes }) {
   keepWork();
 }
 
+/** Show the states of a simulation in place of those that were predicted. */
+function showSimulated({ states, shares, letters, view, findings, findingsCount, numbers }) {
+  const { triangles, trianglesFace, edges, edgesSource } = numbers;
+  sheet.simulated = {
+    ...{ triangles, trianglesFace, edges, edgesSource, letters, view, shares },
+    states: divided(numbers.positions, states),
+    colours: start.colours,
+  };
+  drawForm(false);
+  listFindings([...sheet.findings, ...findings], sheet.more + findingsCount - findings.length);
+}
+
 function drawForm(same) {
-  find("#fold").disabled = sheet.states.length < 2;
+  const shown = sheet.simulated ?? sheet;
+  find("#fold").disabled = shown.states.length < 2;
   if (!canDraw()) {
     find("#form-view .without").hidden = false;
     find("#form-view .live").hidden = true;
     return;
   }
-  if (view) view.replace(sheet, same);
-  else view = new LiveForm(find("#form-view canvas"), toForm(sheet));
+  if (view) view.replace(shown, same);
+  else view = new LiveForm(find("#form-view canvas"), toForm(shown));
   view.showCreases(find("#creases").checked);
   foldTo();
 }
@@ -338,10 +363,19 @@ function showDetail(note) {
 
 function foldTo() {
   const share = Number(find("#fold").value);
-  const name = sheet && !sheet.folds && sheet.states.length < 2 ? "flat: the file has no folded form" : share === 0 ? "flat" : share === 1 ? "folded" : `${Math.round(100 * share)}% of the fold`;
+  const name = nameOf(share);
   find("#state").textContent = name;
   find("#fold").setAttribute("aria-valuetext", name);
-  if (sheet && view) view.fold(share * (sheet.states.length - 1));
+  if (sheet && view) view.fold(share * ((sheet.simulated ?? sheet).states.length - 1));
+}
+
+/** What the state at a share of the slider is called. */
+function nameOf(share) {
+  const shares = sheet?.simulated?.shares;
+  if (!shares && sheet && !sheet.folds && sheet.states.length < 2) return "flat: the file has no folded form";
+  if (share === 0) return "flat";
+  const done = shares ? shareAt(shares, share * (shares.length - 1)) : share;
+  return done === 1 ? "folded" : `${Math.round(100 * done)}% of the fold`;
 }
 
 /** Ask for the states between flat and folded once nothing has changed for a while. */
@@ -353,11 +387,15 @@ function askFold() {
     const { text, file } = asked.source;
     const answer = await (file ? ask("read", { file, states: true }) : ask("fold", { text }));
     if (asked !== sheet || !answer.states) return;
-    const all = answer.numbers.positions;
-    const size = all.length / answer.states;
-    sheet.states = Array.from({ length: answer.states }, (_, k) => all.subarray(k * size, (k + 1) * size));
-    drawForm(true);
+    sheet.states = divided(answer.numbers.positions, answer.states);
+    if (!sheet.simulated) drawForm(true);
   }, FOLD_AFTER);
+}
+
+/** Positions of each of so many states. */
+function divided(all, count) {
+  const size = all.length / count;
+  return Array.from({ length: count }, (_, k) => all.subarray(k * size, (k + 1) * size));
 }
 
 function busy() {
@@ -380,8 +418,7 @@ function tell(answer) {
   const box = (sides) => `${sides.map((side) => Number(side.toPrecision(4))).join(" × ")} mm`;
   const sizes = Object.entries(answer.boxes).map(([name, sides]) => `${name} ${box(sides)}`);
   find("#sizes").textContent = sizes.join("; ");
-  const more = answer.findingsCount - answer.findings.length;
-  listFindings(answer.findings, more);
+  listFindings(sheet.findings, sheet.more);
 }
 
 function listFindings(findings, more) {
@@ -406,10 +443,18 @@ function lighter(finding) {
     const lit = button.getAttribute("aria-pressed") !== "true";
     for (const each of document.querySelectorAll("#findings button")) each.setAttribute("aria-pressed", each === button && lit);
     const picked = lit ? finding : { creases: [], panels: [] };
-    view?.pick(picked);
+    view?.pick(inForm(picked));
     pattern.mark(picked);
   });
   return button;
+}
+
+/** The same with numbers of the form, whose cuts are open where it was simulated. */
+function inForm({ creases, panels }) {
+  const source = sheet.simulated?.edgesSource;
+  if (!source) return { creases, panels };
+  const wanted = new Set(creases);
+  return { creases: [...source.keys()].filter((e) => wanted.has(source[e])), panels };
 }
 
 function notice(text) {
@@ -418,8 +463,10 @@ function notice(text) {
 }
 
 function allowFiles(allowed) {
+  grown = allowed;
   find("#save").disabled = !allowed;
-  files.allow(allowed);
+  files.allow(allowed && !simulation.howFar.busy);
+  simulation.allow(allowed && !files.howFar.busy);
 }
 
 /** Save the job; a file that is there already is replaced if it is as this tab knows it. */
