@@ -6,7 +6,8 @@
 
 The time is divided among the kinds by their shares. Each kind runs in a process of its own, one
 after another, which may have 2 GB more than it begins with; one that crashes, or does not come back
-from an input for two minutes, is a fault of that input, and the run goes on behind it. Inputs that
+from an input within two minutes of processor time, or waits for as long, is a fault of that input,
+and the run goes on behind it. Inputs that
 show a fault are saved in the folder with the trace, a few of each fault. `--again` tries one input
 once more, and shows what came of it. Exit code 1 where there is a fault.
 """
@@ -38,8 +39,10 @@ from fuzz.kinds import KINDS
 from fuzz.trials import Kind, Trial, generator_of, trial_of
 
 _MORE_BYTES = 2 * 10**9
-# How long a process may not answer, and how often it tells.
+# How long a process may not answer, of its processor time or of a clock while it has none, and how
+# often it tells. On a busy machine one that works may have a few of a hundred seconds.
 _LOST_S, _TELLS_S = 120.0, 1.0
+_IDLE = 1e-3
 _SAVED = 4
 # Where files are written, if the system has such a folder: in memory.
 _MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None
@@ -192,7 +195,7 @@ class Run:
         process = context.Process(target=_work, args=(self, there, at, last, end), daemon=False)
         process.start()
         there.close()
-        alive = time.monotonic()
+        alive, worked = time.monotonic(), _worked_s(process.pid)
         shown = first
         while True:
             if here.poll(_TELLS_S):
@@ -202,8 +205,9 @@ class Run:
                     break
                 tally.merge(told)
             if at.value != shown:
-                shown, alive = at.value, time.monotonic()
-            if time.monotonic() - alive > _LOST_S:
+                shown, alive, worked = at.value, time.monotonic(), _worked_s(process.pid)
+            waited, used = time.monotonic() - alive, _worked_s(process.pid) - worked
+            if used > _LOST_S or (waited > _LOST_S and used < _IDLE * waited):
                 process.kill()
                 break
         process.join(10)
@@ -235,6 +239,15 @@ class Run:
             name = f"{stem}_{self.seed}_{number}"
             (self.out / f"{name}{Path(self.kind.file).suffix or '.bin'}").write_bytes(data)
             (self.out / f"{name}.txt").write_text(f"{self.kind.name}:{self.seed}:{number}\n{text}")
+
+
+def _worked_s(process: int | None) -> float:
+    """Processor time of a process; 0 where the system does not say."""
+    try:
+        fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def fault_key(text: str) -> str:

@@ -1,9 +1,11 @@
 """A share of each kind of input that is fuzzed; `run.py` beside it makes long runs."""
 
+import signal
 import time
 
 import numpy as np
 import pytest
+from fuzz import run
 from fuzz.kinds import KINDS
 from fuzz.run import fault_key, tried
 from fuzz.table_faults import toml_text
@@ -80,6 +82,25 @@ def test_what_is_neither_taken_nor_refused_in_words_is_a_fault(tmp_path):
     kind = Kind("test", "a.txt", lambda random: b"x", waver)
     texts = [trial_of(kind, b"x", generator_of(kind, 1, i), tmp_path).text for i in range(200)]
     assert any(text.startswith("read twice it differs") for text in texts)
+
+
+def test_processes_that_wait_or_never_end_are_lost_and_the_run_goes_on(monkeypatch, tmp_path):
+    monkeypatch.setattr(run, "_LOST_S", 0.5)
+    monkeypatch.setattr(run, "_TELLS_S", 0.1)
+
+    def read(path, random):
+        signal.signal(signal.SIGPROF, signal.SIG_IGN)  # as a library that does not return
+        how = path.read_bytes()[0]
+        while how == 1:
+            pass
+        time.sleep(1e6 if how == 2 else 0.0)
+        return ""
+
+    kind = Kind("test", "a.bin", lambda random: bytes([random.integers(3)]), read)
+    numbers = [kind.written(generator_of(kind, 1, number))[0] for number in range(5)]
+    assert {*numbers} == {0, 1, 2}
+    tally = run.Run(kind, 1, tmp_path).within(600.0, 0, len(numbers))
+    assert sum(tally.faults.values()) == sum(number > 0 for number in numbers)
 
 
 def test_an_input_is_the_same_whenever_it_is_made():
