@@ -31,7 +31,7 @@ def studio(file: Path | None, port: int, no_browser: bool, allow_code: bool) -> 
     It reads and writes in the folder of FILE, or where it is started, and listens on this machine
     alone.
     """
-    with answers():
+    with answers() as interrupts:
         import webbrowser
 
         from fab.studio.serving import serve
@@ -43,6 +43,16 @@ def studio(file: Path | None, port: int, no_browser: bool, allow_code: bool) -> 
         folder = Path.cwd() if file is None else file.parent
         show = None if no_browser else webbrowser.open
         try:
-            serve(folder, file, port=port, allow_code=allow_code, tell=say, show=show)
+            interrupts.check()
+            serve(
+                folder,
+                file,
+                port=port,
+                allow_code=allow_code,
+                tell=say,
+                show=show,
+                ended=lambda: bool(interrupts.came),
+            )
+            interrupts.check()
         except KeyboardInterrupt:
             say("studio: ended")

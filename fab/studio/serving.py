@@ -46,11 +46,13 @@ def serve(
     allow_code: bool = False,
     tell: Callable[[str], None] = print,
     show: Callable[[str], object] | None = None,
+    ended: Callable[[], bool] = lambda: False,
 ) -> None:
     """Serve the studio until it is interrupted, or its terminal is closed.
 
     folder : where it reads and writes; file : in it, to begin with. tell : takes lines about the
-    address. show : opens an address in a browser.
+    address. show : opens an address in a browser. ended : whether it was interrupted before it
+    could heed that, as while libraries are imported.
     """
     import uvicorn
 
@@ -73,6 +75,10 @@ def serve(
 
     class Server(uvicorn.Server):
         """One that waits for no work when it ends."""
+
+        async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+            await super().startup(sockets)
+            self.should_exit |= ended()  # from here on interrupts are its own
 
         def handle_exit(self, sig: int, frame: FrameType | None) -> None:
             super().handle_exit(sig, frame)

@@ -105,8 +105,11 @@ class Worker:
     def _answer(
         self, question: _Question, task: str, arguments: Mapping[str, Any], seconds: float
     ) -> tuple[str, Any]:
+        question.begun = True
         link = self._started()
-        question.begun, question.step = True, Step("begun", 0, 1)
+        if question.stopped:  # while the process was being started, which nobody could end yet
+            raise WorkerStopped("it was stopped before it began.")
+        question.step = Step("begun", 0, 1)
         until = time.monotonic() + seconds
         try:
             link.send((task, dict(arguments)))
@@ -138,8 +141,9 @@ class Worker:
         for question in list(self._questions):
             if owner is None or question.owner == owner:
                 question.stopped = True
-                if question.begun and process is not None and process.is_alive():
-                    process.kill()
+                with suppress(ValueError):  # it has ended and been closed
+                    if question.begun and process is not None and process.is_alive():
+                        process.kill()
 
     def _started(self) -> Connection[Any, Any]:
         if self._process is None or not self._process.is_alive() or self._link is None:

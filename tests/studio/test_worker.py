@@ -1,5 +1,6 @@
 """The worker: what happens to it is reported, and the next question finds another."""
 
+import multiprocessing
 import sys
 import threading
 import time
@@ -48,6 +49,18 @@ def test_what_takes_too_long_is_stopped_by_the_user(worker):
     with pytest.raises(WorkerStopped):
         worker.ask("hang", {}, 60)
     assert worker.ask("pid", {}, 60) != first
+
+
+def test_what_is_stopped_while_its_process_starts_is_not_begun(worker, monkeypatch):
+    context = multiprocessing.get_context
+
+    def stopping(how):
+        worker.stop()
+        return context(how)
+
+    monkeypatch.setattr(multiprocessing, "get_context", stopping)
+    with pytest.raises(WorkerStopped):
+        worker.ask("hang", {}, 60)
 
 
 def asked(worker, owner, found):
