@@ -99,25 +99,41 @@ def test_at_a_terminal_the_user_is_asked(folder, answer, code):
     import pty
 
     own, theirs = pty.openpty()
-    process = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-m", "fab", "run", "job.toml", "--only", "fold"],
         stdin=theirs,
         stdout=subprocess.PIPE,
         stderr=theirs,
         start_new_session=True,
         preexec_fn=_take_terminal,
-    )
-    os.close(theirs)
-    shown = b""
-    while b"Allow that?" not in shown:
-        shown += os.read(own, 1000)
-    assert b"job.toml runs the code of mine.py" in shown
-    time.sleep(0.5)  # the question is shown a moment before the answer is read
-    os.write(own, answer.encode())
-    process.communicate(timeout=60)
+    ) as process:
+        os.close(theirs)
+        try:
+            shown = b""
+            while b"Allow that?" not in shown:
+                shown += os.read(own, 1000)
+            assert b"job.toml runs the code of mine.py" in shown
+            time.sleep(0.5)  # the question is shown a moment before the answer is read
+            os.write(own, answer.encode())
+            # a signal just before the read is noticed after it: users press Ctrl-C again
+            for _ in range(3 if answer == "\x03" else 0):
+                if _still_asks(process, 5):
+                    os.write(own, answer.encode())
+            process.communicate(timeout=60)
+        finally:
+            process.kill()
+            os.close(own)
     assert process.returncode == code
-    os.close(own)
     assert (folder / "mine.fold").is_file() == (code == 0)
+
+
+def _still_asks(process, seconds):
+    """Whether a process does not end within this time."""
+    try:
+        process.wait(seconds)
+    except subprocess.TimeoutExpired:
+        return True
+    return False
 
 
 def _take_terminal():
