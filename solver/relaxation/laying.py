@@ -35,6 +35,9 @@ _SHARE = 0.04
 _WITHIN = (np.arange(6) + 0.5) / 6
 # Cells that are looked at together: places of points within all of them would take gigabytes.
 _AT_ONCE = 4000
+# Rows that a map is longer by than a whole number of them, and that count for nothing: maps of
+# symmetric surfaces are whole numbers long but for rounding, which is not to choose the sheet.
+_SAME = 1e-6
 _LONGEST = 1000.0
 
 
@@ -80,7 +83,7 @@ def laid_patch(target: MeshTarget, columns: int, pleats: Pleats, turn: float = 0
     low, high = (corners @ axes).min(axis=0), (corners @ axes).max(axis=0)
     step = float(high[0] - low[0]) / columns
     wide = pleats.spacing * step
-    rows = int(np.ceil((high[1] - low[1]) / wide)) + 3
+    rows = int(np.ceil((high[1] - low[1]) / wide - _SAME)) + 3
     s = np.arange(columns + 3) * step
     t = np.arange(rows) * wide  # faces are counterclockwise
     middle = (low + high) / 2 - [s.mean(), t.mean()]

@@ -196,6 +196,13 @@ def test_a_patch_is_laid_over_all_of_the_map(turn):
     assert step == pytest.approx(np.broadcast_to(axis * wide / 9, step.shape), abs=1e-9)
 
 
+@pytest.mark.parametrize("off", [-1e-10, 0.0, 1e-10])
+def test_a_map_that_is_as_long_as_wide_but_for_rounding_gets_as_many_rows_as_columns(off):
+    mesh = mesh_of(grid(lambda u, v: (u, v, 0 * u), 5, 5))
+    corners = mesh.vertices_coords[mesh.faces_vertices][..., :2] * [1.0, 1.0 + off]
+    assert laid_patch(MeshTarget(mesh, corners), 8, Pleats()).shape == (11, 11)
+
+
 @pytest.mark.parametrize(("around", "columns"), [(12, 12), (13, 14)])
 def test_a_tube_is_laid_evenly_around_from_rim_to_rim(around, columns):
     corners, period = cylinder_map(tube())
