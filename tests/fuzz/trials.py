@@ -165,6 +165,8 @@ _watch: tuple[str, list[str]] | None = None
 _hooked = False
 # Files of the interpreter, its libraries and the project, and those that the system is asked by.
 _OWN = (sys.prefix, sys.base_prefix, str(Path(__file__).parents[2]), "/proc/", "/dev/null", "/usr/")
+# What Python 3.13 looks for where a library logs a traceback: the source of code without a file.
+_NO_FILE = "<unknown>"
 
 
 def _hook(event: str, arguments: tuple[object, ...]) -> None:
@@ -173,7 +175,11 @@ def _hook(event: str, arguments: tuple[object, ...]) -> None:
     if event == "open":
         name = arguments[0]
         text = name.decode(errors="replace") if isinstance(name, bytes) else name
-        if isinstance(text, str) and text != _watch[0] and not text.startswith(_OWN):
+        if (
+            isinstance(text, str)
+            and text not in (_watch[0], _NO_FILE)
+            and not text.startswith(_OWN)
+        ):
             _watch[1].append(text)
     elif event in ("socket.connect", "socket.getaddrinfo", "subprocess.Popen", "os.system"):
         _watch[1].append(f"{event} {arguments}")
