@@ -24,22 +24,11 @@ def run() -> NoReturn:
     interrupts = Interrupts(raises=False)
     sys.unraisablehook = _unraisable
     with interrupts:
-        from click import Abort, ClickException
-
-        from fab.cli.group import main
+        from fab.cli.answering import exit_code
 
         if interrupts.came:
             _end(interrupts.exit_code)
-        try:
-            code = main.main(prog_name="quadfold", standalone_mode=False)
-        except ClickException as error:
-            error.show()
-            code = error.exit_code
-        except Abort:  # before a command begins, or when it is over
-            code = interrupts.exit_code
-        except SystemExit as error:
-            code = error.code
-        _end(code if isinstance(code, int) else 0)
+        _end(exit_code(sys.argv[1:], interrupts))
 
 
 def _end(code: int) -> NoReturn:

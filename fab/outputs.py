@@ -26,6 +26,7 @@ from solver.vectors import FloatArray
 __all__ = [
     "Made",
     "box_mm",
+    "finding_entry",
     "fixed_dxf_metadata",
     "formats_among",
     "plain_title",
@@ -69,13 +70,13 @@ def with_report(
         {"file": file, "bytes": len(data), "sha256": hashlib.sha256(data).hexdigest()}
         for file, data in files.items()
     ]
-    listed = [_entry(finding) for finding in findings]
+    listed = [finding_entry(finding) for finding in findings]
     whole = {**report, "outputs": outputs, "findings": listed}
     data = (json.dumps(whole, indent=2, allow_nan=False) + "\n").encode()
     return Made({**files, name: data}, whole, tuple(findings))
 
 
-def _entry(finding: Finding) -> dict[str, Any]:
+def finding_entry(finding: Finding) -> dict[str, Any]:
     """A finding in a report; its places only where it has some."""
     entry = dataclasses.asdict(finding)
     if not finding.places:

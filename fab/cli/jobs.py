@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from fab.cli.completion import JobPath
-from fab.cli.console import answers, say, tell
+from fab.cli.console import answers, say
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import allowed_job, place_of_job
 from fab.cli.kept_folds import kept_fold
@@ -65,10 +65,10 @@ def run(
         loaded = allowed_job(place_of_job(job), changes, allow_code)
         formats = chosen or [Format(name) for name in loaded.wanted]
         if suggest:
-            with progress_of(interrupts) as progress:
+            with progress_of(interrupts, lines=told in (Told.LINES, Told.ALL)) as progress:
                 pattern, findings = grown_pattern(loaded, progress)
-            say_window(pattern, loaded, loaded.print_with(loaded.folder), interrupts)
-            tell(findings)
+            print_with = loaded.print_with(loaded.folder)
+            say_window(pattern, loaded, print_with, findings, interrupts, told)
             return
         folds = loaded.simulation is not None and not dry_run
         kept = kept_fold(out, loaded.name, told) if folds else None

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from fab.cli.completion import StockName
-from fab.cli.console import answers, say, tell
+from fab.cli.console import answers, say, tell, tell_all
 from fab.cli.delivery import FilesOf, Told, deliver
 from fab.cli.inputs import sheet_of
 from fab.cli.options import (
@@ -27,8 +29,9 @@ from fab.cli.options import (
 )
 from fab.cli.preferences import preferred
 from fab.cli.progress_lines import progress_of
-from fab.errors import counted
+from fab.errors import Finding, Severity, counted
 from fab.interrupts import Interrupts
+from fab.outputs import finding_entry
 
 if TYPE_CHECKING:
     from fab.formats.read_options import ReadOptions
@@ -95,8 +98,7 @@ def thicken(
         print_with = settings.print_with()
         if suggest:
             pattern, _, findings = sheet_of(file, options, size)
-            say_window(pattern, settings, print_with, interrupts)
-            tell(findings)
+            say_window(pattern, settings, print_with, findings, interrupts, told)
             return
 
         def make(progress: Progress) -> Made:
@@ -137,14 +139,27 @@ def solid_lines(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def say_window(
-    pattern: CreasePattern, settings: ThickSettings, print_with: PrintWith, interrupts: Interrupts
+    pattern: CreasePattern,
+    settings: ThickSettings,
+    print_with: PrintWith,
+    findings: Sequence[Finding],
+    interrupts: Interrupts,
+    told: Told,
 ) -> None:
-    """The feasible window of scale and thickness of a sheet, line by line."""
+    """The feasible window of scale and thickness of a sheet, line by line or as JSON."""
     from fab.jobs.suggestion import suggested_window
 
-    with progress_of(interrupts) as progress:
+    in_lines = told in (Told.LINES, Told.ALL)
+    with progress_of(interrupts, lines=in_lines) as progress:
         window = suggested_window(
             pattern, settings.printed(print_with), progress, print_with.printer
         )
-    for line in window.lines():
-        say(line)
+    if told is Told.JSON:
+        listed = [finding_entry(finding) for finding in findings]
+        say(json.dumps({"window": asdict(window), "findings": listed}, indent=2))
+    if told is Told.ERRORS:
+        tell([finding for finding in findings if finding.severity is Severity.ERROR])
+    if in_lines:
+        for line in window.lines():
+            say(line)
+        (tell_all if told is Told.ALL else tell)(findings)

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fab.errors import InvalidFile
+from fab.errors import InvalidFile, InvalidJob
 from fab.pattern.crease_pattern import CreasePattern
 from solver.vectors import FloatArray
 
-__all__ = ["require_range", "require_sheet_size"]
+__all__ = ["require_asked_size", "require_range", "require_sheet_size"]
 
 # Products of four lengths stay within the range of floats.
 _SMALLEST, _LARGEST = 1e-50, 1e50
@@ -58,4 +58,13 @@ def require_sheet_size(path: Path, pattern: CreasePattern) -> None:
             f"{path}: the sheet is {sides[0]:.4g} x {sides[1]:.4g} mm large; its longer side must "
             f"be from {_LEAST_SHEET_MM:g} to {_LARGEST_SHEET_MM:g} mm. Give --width-mm, or "
             f"--scale {_USUAL_MM / longer:.3g} for {_USUAL_MM:g} mm."
+        )
+
+
+def require_asked_size(asked: str, longer_mm: float) -> None:
+    """Raise `InvalidJob` where the size asked for is one that nothing can be made of."""
+    if not _LEAST_SHEET_MM <= longer_mm <= _LARGEST_SHEET_MM:
+        raise InvalidJob(
+            f"{asked}: the sheet would be {longer_mm:.4g} mm large; its longer side must be from "
+            f"{_LEAST_SHEET_MM:g} to {_LARGEST_SHEET_MM:g} mm. Give --width-mm {_USUAL_MM:g} or so."
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fab.errors import Finding
+from fab.formats.coordinate_bounds import require_asked_size
 from fab.pattern.crease_pattern import CreasePattern, scaled
 from solver.vectors import FloatArray, IntArray
 
@@ -47,11 +48,14 @@ def resized(
 ) -> PatternFile:
     """What was read with its longer side `width_mm` long, or `factor` times as large; see `scaled`.
 
-    Texts of findings keep the coordinates of the file; their places follow the size.
+    Texts of findings keep the coordinates of the file; their places follow the size. Raises
+    `InvalidJob` for sizes that nothing can be made of.
     """
     pattern = scaled(read.pattern, width_mm=width_mm, factor=factor)
     if pattern is read.pattern:
         return read
+    asked = f"scale {factor:g}" if width_mm is None else f"width {width_mm:g} mm"
+    require_asked_size(asked, float(np.ptp(pattern.vertices_coords, axis=0).max()))
     before, after = (np.ptp(p.vertices_coords, axis=0).max() for p in (read.pattern, pattern))
     times = float(after / before)
     findings = tuple(

@@ -188,6 +188,21 @@ def test_suggest_prints_the_window_and_writes_nothing(here):
         assert again.output.startswith("80 of 80 faces have a panel"), again.output
 
 
+@pytest.mark.parametrize("of", [["run", TEMPLATES / "miura.toml"], ["thicken", "miura.fold"]])
+def test_suggestions_are_told_as_asked_for(here, of):
+    assert run("run", TEMPLATES / "miura.toml", "--only", "fold").exit_code == 0
+    words = [*of, "--set", "panels.thickness_mm=20.0", "--suggest"]
+    lines, quiet = run(*words), run(*words, "--quiet")
+    assert (quiet.exit_code, quiet.output) == (0, "")
+    told = json.loads(run(*words, "--json").stdout)
+    window = told["window"]
+    assert f"{window['panels']} of {window['faces']} faces have a panel" in lines.output
+    most = float(re.search(r"thickness_mm at most ([\d.]+)", lines.output)[1])
+    assert most <= window["thickness_max_mm"] < 1.01 * most + 0.01
+    assert [row["thickness_mm"] for row in window["rows"]] == [5, 10, 15, 20, 30, 40, 60]
+    assert told["findings"] == []
+
+
 @pytest.mark.parametrize("axis", ["bottom", "middle"])
 def test_thicken_makes_files_of_any_fold_file(here, axis):
     changes = ["panels.fold_limit_deg=120.0", "panels.thickness_mm=1.2", f"panels.axis={axis}"]

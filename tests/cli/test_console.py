@@ -2,8 +2,10 @@
 
 from shared_cases import shared_case
 
+from fab.cli.answering import exit_code
 from fab.cli.console import tell
 from fab.errors import Finding, Severity
+from fab.interrupts import Interrupts
 from fab.outputs import Made
 
 NOTE, WARNING, ERROR = Severity
@@ -54,3 +56,11 @@ def test_an_exit_code_of_1_has_an_error_on_the_terminal(capsys, tmp_path):
     assert not made.within_tolerance
     tell(made.findings)
     assert capsys.readouterr().err.startswith("error: solids-overlap: ")
+
+
+def test_words_of_wrong_usage_are_shown_without_what_a_terminal_obeys(capfd):
+    for words in (["\x1b[31mx"], ["convert", "--\x07x"], ["simulate", "a.svg", "--down", "1\x0b"]):
+        assert exit_code(words, Interrupts()) == 2
+        told = capfd.readouterr().err
+        assert ascii(words[-1])[1:-1] in told
+        assert all(letter.isprintable() or letter == "\n" for letter in told)

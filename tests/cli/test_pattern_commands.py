@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from formats.drawing_dialects import DIALECTS, Source
+from helpers import PATTERNS
 
 from fab.cli.group import main
 from fab.formats.fold.reader import read_fold
@@ -370,8 +371,6 @@ def test_fold_angles_where_none_are_given(here):
 
 def miura_without_angles(here):
     """A Miura pattern without fold angles and folded form, and its document."""
-    from helpers import PATTERNS
-
     source = json.loads((PATTERNS / "miura.fold").read_text())
     source.pop("file_frames", None)
     source.pop("edges_foldAngle", None)
@@ -566,3 +565,13 @@ def test_the_same_from_python(here):
     assert (here / "a.dxf").is_file()
     with pytest.raises(fab.InvalidJob, match="give one file, or two OBJ files"):
         fab.read_any([])
+
+
+@pytest.mark.parametrize("size", [("--scale", "1e-300"), ("--width-mm", "1e9")])
+@pytest.mark.parametrize("command", ["convert", "check"])
+def test_sizes_that_nothing_can_be_made_of_are_refused(here, command, size):
+    file = str(PATTERNS / "square_twist.fold")
+    result = run(command, file, *(["a.cp"] if command == "convert" else []), *size)
+    assert result.exit_code == 2
+    assert "its longer side must be from 0.1 to 100000 mm. Give --width-mm 100" in result.stderr
+    assert not list(here.iterdir())

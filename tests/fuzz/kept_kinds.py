@@ -44,7 +44,7 @@ from fab.sweeps.sweep_table import choose
 from fab.sweeps.variations import Variations, variations_of
 from solver.vectors import FloatArray
 
-__all__ = ["KEPT_KINDS"]
+__all__ = ["KEPT_KINDS", "sweep_files"]
 
 Random = np.random.Generator
 _SETTINGS: tuple[dict[str, Any], ...] = (
@@ -231,7 +231,7 @@ _STATUSES = ("made", "refused", "crashed")
 
 
 @cache
-def _parts() -> tuple[bytes, ...]:
+def sweep_files() -> tuple[bytes, ...]:
     """Parts of a sweep, and its whole table at the end."""
     with tempfile.TemporaryDirectory() as folder:
         there = _folder(Path(folder))
@@ -246,7 +246,7 @@ def _parts() -> tuple[bytes, ...]:
 
 
 def _part(random: Random) -> bytes:
-    return table_faults(random, _of(random, _parts()[:-1]))
+    return table_faults(random, _of(random, sweep_files()[:-1]))
 
 
 @contextlib.contextmanager
@@ -275,7 +275,7 @@ def _resumed(path: Path, random: Random) -> str:
 
 
 def _table(random: Random) -> bytes:
-    return table_faults(random, _parts()[-1])
+    return table_faults(random, sweep_files()[-1])
 
 
 def _chosen(path: Path, random: Random) -> str:

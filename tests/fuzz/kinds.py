@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fuzz.command_kinds import COMMAND_KINDS
 from fuzz.kept_kinds import KEPT_KINDS
 from fuzz.mesh_kinds import MESH_KINDS
 from fuzz.pattern_kinds import PATTERN_KINDS
@@ -18,6 +19,7 @@ KINDS = {
         *PATTERN_KINDS,
         *MESH_KINDS,
         *KEPT_KINDS,
+        *COMMAND_KINDS,
         *STUDIO_KINDS,
         *PRODUCT_KINDS,
     )

@@ -5,7 +5,7 @@
     python -m tests.fuzz.run --again svg:1:4711
 
 The time is divided among the kinds by their shares. Each kind runs in a process of its own, one
-after another, which may have 2 GB more than it begins with; one that crashes, or does not come back
+after another, which may have 4 GB more than it begins with; one that crashes, or does not come back
 from an input within two minutes of processor time, or waits for as long, is a fault of that input,
 and the run goes on behind it. Inputs that
 show a fault are saved in the folder with the trace, a few of each fault. `--again` tries one input
@@ -38,7 +38,7 @@ import numpy as np
 from fuzz.kinds import KINDS
 from fuzz.trials import Kind, Trial, generator_of, trial_of
 
-_MORE_BYTES = 2 * 10**9
+_MORE_BYTES = 4 * 10**9
 # How long a process may not answer, of its processor time or of a clock while it has none, and how
 # often it tells. On a busy machine one that works may have a few of a hundred seconds.
 _LOST_S, _TELLS_S = 120.0, 1.0

@@ -17,7 +17,7 @@ SEED = 20
 # Of processor time; a kind is tried so often at least, slow ones less, and so often at most.
 SECONDS = 1.0
 LEAST, MOST = 12, 400
-SLOW = {"panels": 3, "folded": 3, "made-job": 6, "step": 4, "3mf": 4, "checkpoint": 6}
+SLOW = {"command": 6, "panels": 3, "folded": 3, "made-job": 6, "step": 4, "3mf": 4, "checkpoint": 6}
 # Those are tried by a test of their own, with a studio that all of it uses.
 STUDIO = {"message"}
 # Of few inputs, or of those that mostly are refused, all may end in one way.
