@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 
 from click import Abort, ClickException
 
+from fab.cli.console import say
 from fab.cli.group import main
 from fab.interrupts import Interrupts
-from solver.errors import escaped
 
 __all__ = ["exit_code"]
 
@@ -21,8 +22,9 @@ def exit_code(words: Sequence[str], interrupts: Interrupts) -> int:
     try:
         code = main.main(list(words), prog_name="quadfold", standalone_mode=False)
     except ClickException as error:
-        error.message = escaped(error.message)  # words of the user, which may hold anything
-        error.show()
+        shown = io.StringIO()
+        error.show(file=shown)
+        say(shown.getvalue().rstrip("\n"), error=True)  # it quotes words, which may hold anything
         return error.exit_code
     except Abort:
         return interrupts.exit_code
