@@ -39,6 +39,9 @@ __all__ = ["PRODUCT_KINDS"]
 Random = np.random.Generator
 # Larger patterns, and jobs of more quads, are left to other runs.
 _MOST_EDGES, _MOST_FACES, _MOST_QUADS = 200, 30, 1500
+# Simulations of more steps, and fits of more columns or of a cell of their own, too.
+_MOST_STEPS, _MOST_COLUMNS = 3, 8
+_FIT = {"kind": "surface_fit", "surface": "bowl", "columns": 6}
 _JOBS: tuple[dict[str, Any], ...] = tuple(
     {
         "name": "a",
@@ -62,7 +65,17 @@ _JOBS: tuple[dict[str, Any], ...] = tuple(
         {"kind": "curved_fold"},
         {"kind": "strip_by_strip"},
         {"kind": "shaped_ribbon"},
+        {**_FIT, "method": "relax"},
+        {**_FIT, "surface": "waves", "thickness": 1.0, "trim": False},
     )
+)
+# What is added to some of them.
+_MORE: tuple[dict[str, Any], ...] = (
+    *({}, {}, {"simulation": {"steps": 2}}),
+    {"simulation": {"steps": 2, "contact": True, "thickness_mm": 0.3, "axial": 30.0}},
+    {"simulation": {"steps": 1, "loads": {"fixed": ["left edge"], "pressure_pa": 10.0}}},
+    {"cutter": {"material": "card_300gsm", "machine": "co2_60w_600x400", "tabs": "both sides"}},
+    {"cutter": {"material": "plywood_3mm", "machine": "diode_10w_400x400", "copies": 2}},
 )
 
 
@@ -122,12 +135,13 @@ def _of(random: Random, values: Any) -> Any:
 
 @cache
 def _corpus() -> Corpus:
-    return Corpus(_JOBS)
+    return Corpus([job | more for job in _JOBS for more in _MORE])
 
 
 def _made(path: Path, random: Random) -> str:
     job = load_job(path)
-    if _quads(job) > _MOST_QUADS or job.simulation is not None or job.cutter is not None:
+    steps = 0 if job.simulation is None else job.simulation.steps
+    if _quads(job) > _MOST_QUADS or steps > _MOST_STEPS:
         return ""
     return str(len(make(job, [Format.FOLD, Format.DXF]).files))
 
@@ -135,8 +149,12 @@ def _made(path: Path, random: Random) -> str:
 def _quads(job: Job) -> float:
     """About how many quads a job grows, by the products of its whole numbers."""
     design = job.design.model_dump()
-    if design["kind"] in ("surface_fit", "crumpled", "brownian_ribbon"):
+    if design["kind"] in ("crumpled", "brownian_ribbon"):
         return float("inf")
+    if design["kind"] == "surface_fit":
+        own = [key for key in ("cell_mm", "deviation_mm", "row_step", "rows") if design.get(key)]
+        few = not own and (design["columns"] or 0) <= _MOST_COLUMNS
+        return float(_MOST_COLUMNS**2 if few else "inf")
     keys = ("columns", "rows", "strips", "sides", "quads", "steps", "turns")
     return float(np.prod([max(float(design[key]), 1.0) for key in keys if design.get(key)]))
 
