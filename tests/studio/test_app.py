@@ -38,7 +38,9 @@ SMALL = [[["design", "columns"], 4], [["design", "rows"], 3]]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    return tmp_path_factory.mktemp("studio")
+    made = tmp_path_factory.mktemp("studio") / "folder"  # whose parent has nothing else
+    made.mkdir()
+    return made
 
 
 @pytest.fixture(scope="module")
