@@ -20,6 +20,7 @@ from fab.formats.drawn.letters import colour_of, key_of, letter_of
 from fab.formats.drawn.line_soup import LETTERS
 from fab.formats.drawn.own_sheets import OPERATIONS
 from fab.formats.source_files import shown
+from fab.formats.svg.conditions import chosen_of, is_meant
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
 from fab.formats.svg.styles import local_name, style_sheets
@@ -45,6 +46,7 @@ _XLINK = "{http://www.w3.org/1999/xlink}"
 _LABEL = _INKSCAPE + "label"
 _GROUPS = frozenset({"g", "a", "svg", "switch", "use"})
 _TEXTS = frozenset({"text", "flowRoot"})
+_PICTURES = frozenset({"image", "foreignObject"})
 _DEFINITIONS = frozenset(
     {
         *("defs", "symbol", "clipPath", "mask", "pattern", "marker", "linearGradient"),
@@ -65,6 +67,7 @@ class _Context:
     ----------
     names : of the groups around it, innermost first.
     operation : of our own drawings, where its layer is one.
+    meant : whether it is for the language and the program that reads the file.
     uses : how many `use` elements it is drawn through.
     label, given : of the `use` element right above it: what it refers to, and the width and height
         that it gives.
@@ -78,6 +81,7 @@ class _Context:
     stroke_opacity: str = "1"
     visible: bool = True
     hidden: bool = False
+    meant: bool = True
     names: tuple[str, ...] = ()
     operation: str = ""
     uses: int = 0
@@ -141,7 +145,7 @@ def drawing_of(
         used_symbol = tag == "symbol" and around.label == "symbol"
         if not tag or (tag in _DEFINITIONS and not used_symbol):
             continue
-        if tag in _TEXTS or tag in ("image", "foreignObject"):
+        if tag in _TEXTS or tag in _PICTURES:
             out.left_out["texts" if tag in _TEXTS else f"{tag}s"] += 1
             continue
         shape = tag in SHAPES
@@ -156,10 +160,12 @@ def drawing_of(
             )
         declared = sheets.of(element)
         inner = _inherited(around, declared)
+        if not is_meant(element):
+            inner = replace(inner, meant=False)
         identity = element.get("id", "")
         counts[tag] += 1
         name = f"{tag} {shown(identity)}" if identity else f"{tag} {counts[tag]}"
-        if inner.visible and not inner.hidden:
+        if inner.visible and not inner.hidden and inner.meant:
             require_lengths(path, name, tag, element.attrib)
         if (text := declared.get("transform")) is not None:
             matrix = _about_origin(transform_of(text), declared, inner.size)
@@ -190,9 +196,24 @@ def drawing_of(
             continue
         children = [child for child in element if isinstance(child.tag, str)]
         if tag == "switch":
-            children = [c for c in children if not c.get("requiredExtensions")][:1]
-        stack += [(child, inner, False) for child in reversed(children)]
+            stack += reversed(_switched(children, inner))
+        else:
+            stack += [(child, inner, False) for child in reversed(children)]
     return out
+
+
+def _switched(
+    children: list[ET.Element], context: _Context
+) -> list[tuple[ET.Element, _Context, bool]]:
+    """The child of a switch that is drawn, and those that are not, where they may have lines."""
+    drawable = SHAPES | _GROUPS | _TEXTS | _PICTURES
+    chosen = chosen_of([child for child in children if local_name(child) in drawable])
+    other = replace(context, meant=False)
+    return [
+        (child, context if child is chosen else other, False)
+        for child in children
+        if child is chosen or local_name(child) not in _TEXTS | _PICTURES
+    ]
 
 
 def _names(element: ET.Element) -> Iterator[str]:
@@ -343,6 +364,9 @@ def _shape(
 ) -> Shape | None:
     if context.hidden or not context.visible:
         out.left_out["hidden shapes"] += 1
+        return None
+    if not context.meant:
+        out.left_out["shapes for other languages or programs"] += 1
         return None
     stroke = context.colour if context.stroke.lower() == "currentcolor" else context.stroke
     fill = context.colour if context.fill.lower() == "currentcolor" else context.fill

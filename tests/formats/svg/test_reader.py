@@ -298,6 +298,57 @@ def test_what_is_hidden_or_unknown_is_counted(tmp_path):
     assert "1 group" in text_of(soup, "group-opacity")
 
 
+def at_x(soup: LineSoup) -> list[float]:
+    return sorted(soup.lines_coords[:, 0, 0].tolist())
+
+
+def upright(x: float, attributes: str = "") -> str:
+    return f'<path d="M{x} 0V9" stroke="red" {attributes}/>'
+
+
+FEATURE = 'requiredFeatures="http://www.w3.org/TR/SVG11/feature#Shape"'
+
+
+@pytest.mark.parametrize(
+    ("children", "x"),
+    [
+        (upright(1) + upright(2), 1),
+        (upright(1, 'systemLanguage="xx"') + upright(2), 2),
+        (upright(1, 'systemLanguage="de, EN-gb"') + upright(2), 1),
+        (upright(1, 'systemLanguage="eng"') + upright(2, 'systemLanguage="en"'), 2),
+        (upright(1, 'systemLanguage=""') + upright(2), 2),
+        (upright(1, 'requiredExtensions="http://x.example"') + upright(2), 2),
+        (upright(1, 'requiredExtensions=""') + upright(2), 2),
+        (upright(1, 'requiredFeatures="x"') + upright(2), 2),
+        (upright(1, FEATURE) + upright(2), 1),
+        (f"<title>t</title><desc/>{upright(1)}{upright(2)}", 1),
+        (f"<g>{upright(1)}</g><g>{upright(2)}</g>", 1),
+    ],
+)
+def test_the_first_alternative_that_is_meant_is_drawn(children, x, tmp_path, monkeypatch):
+    monkeypatch.setenv("LANG", "de_DE.UTF-8")
+    soup = drawn(tmp_path, f"<switch>{children}</switch>")
+    assert at_x(soup) == [x]
+    assert "1 shape for other languages or programs" in text_of(soup, "not-lines")
+
+
+def test_alternatives_without_lines_are_not_counted(tmp_path):
+    other = '<foreignObject requiredExtensions="x" width="1" height="1"/>'
+    soup = drawn(tmp_path, f"<switch>{other}{upright(1)}<text>A</text></switch>")
+    assert at_x(soup) == [1]
+    assert codes(soup).isdisjoint({"not-lines"})
+
+
+def test_what_is_for_other_languages_is_left_out_anywhere(tmp_path):
+    soup = drawn(
+        tmp_path,
+        f'{upright(1)}<g systemLanguage="de">{upright(2)}<rect width="x"/></g>'
+        f'<switch>{upright(3, """systemLanguage="de" """)}</switch>',
+    )
+    assert at_x(soup) == [1]
+    assert "3 shapes for other languages or programs" in text_of(soup, "not-lines")
+
+
 def test_compressed_drawings_are_those_that_are_in_them(tmp_path):
     text = f'{HEAD}<path d="M0 0L9 9" stroke="red"/></svg>'.encode()
     packed, plain = read(tmp_path, gzip.compress(text)), read(tmp_path, text)
