@@ -541,8 +541,8 @@ DRAWINGS = (
     Explanation(
         "several-patterns",
         (WARNING,),
-        "The file has several crease patterns: the first is read.",
-        "It holds several frames of class creasePattern.",
+        "The file has several crease patterns: the first is read, or one that adds to it.",
+        "It holds several different frames of class creasePattern, whatever they inherit.",
         "Give --frame 2 for the second, and so on.",
     ),
     Explanation(

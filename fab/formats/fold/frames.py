@@ -16,6 +16,7 @@ from fab.files import require_file
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold.flat_frames import FlatSheet, flat_sheet, is_open
 from fab.formats.fold.number_rows import number_rows
+from fab.formats.fold.sheet_frames import SheetFrames, sheet_frames
 from fab.formats.fold.unfolding import unfolded
 from fab.formats.json_files import read_json
 from fab.formats.pattern_file import State
@@ -58,7 +59,7 @@ class Frames:
     flat, coords : frame of the flat sheet, and its points in the plane, shape (nv, 2).
     folded : frame of the folded form where there is one.
     states : other folded frames, in the order of the file.
-    patterns : how many crease patterns the file holds.
+    patterns : how many different crease patterns the file holds.
     findings : what was assumed to find the flat sheet.
     """
 
@@ -74,43 +75,44 @@ class Frames:
 def read_frames(path: Path, options: ReadOptions) -> Frames:
     """The frames of a file.
 
-    The flat sheet is the first frame of class creasePattern, or that which `options.frame` names;
-    without any, the first other frame that is flat and open, in any plane; without any, a folded
-    form is unfolded. The folded form is the first of class foldedForm besides.
+    The flat sheet is the first frame of class creasePattern, or the first that has all of it and
+    more, such as assignments, or that which `options.frame` names; without any, the first other
+    frame that is flat and open, in any plane; without any, a folded form is unfolded. The folded
+    form is the first of class foldedForm besides.
 
     Raises `InvalidFile` for what is no FOLD file, and one without a sheet that is or unfolds flat.
     """
     document = _load(path)
     raw = [document, *frame_list(path, document, "file_frames", [])]
     frames = _resolved(path, raw)
-    sheets = [
-        number
-        for number, frame in enumerate(frames)
-        if _is(frame, "creasePattern") and (number == 0 or "vertices_coords" in raw[number])
-    ]
+    found = sheet_frames(
+        frames,
+        [
+            number
+            for number, frame in enumerate(frames)
+            if _is(frame, "creasePattern") and (number == 0 or "vertices_coords" in frame)
+        ],
+    )
+    sheets = found.numbers
     title = _text(document.get("file_title"))
     if not sheets:
         return _without_sheet(path, title, frames, options)
-    wanted = 1 if options.frame is None else options.frame
-    if not 1 <= wanted <= len(sheets):
+    if options.frame is not None and not 1 <= options.frame <= len(sheets):
         raise InvalidFile(
-            f"{path}: --frame {wanted}: the file has {len(sheets)} crease "
+            f"{path}: --frame {options.frame}: the file has {len(sheets)} crease "
             f"{'pattern' if len(sheets) == 1 else 'patterns'}. Give 1 to {len(sheets)}."
         )
+    number = found.fullest() if options.frame is None else sheets[options.frame - 1]
     findings = []
     if len(sheets) > 1 and options.frame is None:
-        text = (
-            f"the file has {len(sheets)} crease patterns: the first is read. Give --frame 2 for "
-            "the second, and so on."
-        )
+        text = f"the file has {len(sheets)} crease patterns: {_which(found, number)}"
         findings.append(Finding("several-patterns", Severity.WARNING, text))
-    number = sheets[wanted - 1]
     flat = frames[number]
     folded = [
         frame
         for place, frame in enumerate(frames)
         if _is(frame, "foldedForm")
-        and (len(sheets) == 1 or _sheet_of(raw, place, sheets) in (None, number))
+        and (len(sheets) == 1 or _belongs(found, _sheet_of(raw, place, found.same), number))
     ]
     if len(sheets) > 1:
         count = len(frame_list(path, flat, "vertices_coords", []))
@@ -243,13 +245,30 @@ def _is(frame: _Frame, wanted: str) -> bool:
     return wanted in frame.get("frame_classes", [])
 
 
-def _sheet_of(raw: list[_Frame], number: int, sheets: list[int]) -> int | None:
+def _which(sheets: SheetFrames, number: int) -> str:
+    """Which of several crease patterns is read, and how the others are."""
+    first = sheets.numbers[0]
+    if number == first:
+        return "the first is read. Give --frame 2 for the second, and so on."
+    added = ", ".join(sheets.added(number, first))
+    return (
+        f"number {sheets.numbers.index(number) + 1} is read, which is the first with {added} "
+        "besides. Give --frame 1 for the first, and so on."
+    )
+
+
+def _belongs(sheets: SheetFrames, own: int | None, number: int) -> bool:
+    """Whether a folded form of the crease pattern `own`, None for any, is one of `number` too."""
+    return own is None or sheets.says_all_of(number, own)
+
+
+def _sheet_of(raw: list[_Frame], number: int, sheets: dict[int, int]) -> int | None:
     """The crease pattern that a frame inherits from; None where it inherits from none."""
     while number not in sheets:
         if number == 0 or not raw[number].get("frame_inherit"):
             return None
         number = raw[number].get("frame_parent", 0)
-    return number
+    return sheets[number]
 
 
 def _text(value: object) -> str:

@@ -338,3 +338,124 @@ def test_files_are_known_by_ending_or_content(tmp_path):
             InvalidFile, match=r"Files that are read: \.fold, \.svg|not a file|cannot be"
         ):
             read_pattern_file(tmp_path / name)
+
+
+# Two squares side by side, without letters; edge 3 is between them.
+STRIP = {
+    "frame_unit": "mm",
+    "frame_classes": ["creasePattern"],
+    "vertices_coords": [[0, 0], [2, 0], [4, 0], [0, 2], [2, 2], [4, 2]],
+    "edges_vertices": [[0, 1], [1, 2], [0, 3], [1, 4], [2, 5], [3, 4], [4, 5]],
+    "faces_vertices": [[0, 1, 4, 3], [1, 2, 5, 4]],
+}
+HEIR = {"frame_parent": 0, "frame_inherit": True, "frame_classes": ["creasePattern"]}
+BENT = [[0, 0, 0], [2, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 0], [2, 2, 2]]
+
+
+def lettered(letter):
+    return {"edges_assignment": [*"BBB", letter, *"BBB"]}
+
+
+def angled(degrees):
+    return {"edges_foldAngle": [0, 0, 0, degrees, 0, 0, 0]}
+
+
+def crease_of(found):
+    """Letter and angle of the only crease of a strip."""
+    (inner,) = np.flatnonzero(found.pattern.edges_faces[:, 1] >= 0)
+    return found.pattern.edges_assignment[inner], found.pattern.edges_foldAngle[inner]
+
+
+@pytest.mark.parametrize(
+    ("change", "crease"),
+    [
+        (lettered("V") | angled(90), ("V", 90)),
+        (angled(-45), ("M", -45)),
+        ({"vertices_coords": [[0, 0], [3, 0], [4, 0], [0, 2], [3, 2], [4, 2]]}, ("M", -90)),
+        ({"vertices_coords": [[0, 0, 0], [3, 0, 0], [4, 0, 0], [0, 2, 0], [3, 2, 0], [4, 2, 0]]},
+         ("M", -90)),
+        ({"frame_unit": "cm"}, ("M", -90)),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("classes", [True, False])
+def test_patterns_that_inherit_count_by_what_they_change(tmp_path, change, crease, classes):
+    heir = HEIR if classes else {k: v for k, v in HEIR.items() if k != "frame_classes"}
+    document = {**STRIP, **lettered("M"), **angled(-90), "file_frames": [{**heir, **change}]}
+    found = read(tmp_path, document)
+    assert found.patterns == 2
+    (told,) = found.findings
+    assert told.code == "several-patterns"
+    assert "the first is read. Give --frame 2" in told.text
+    assert crease_of(found) == ("M", -90)
+    second = read(tmp_path, document, frame=2)
+    assert second.findings == ()
+    assert crease_of(second) == crease
+    with pytest.raises(InvalidFile, match="--frame 3: the file has 2 crease patterns"):
+        read(tmp_path, document, frame=3)
+
+
+def test_the_very_same_pattern_is_not_counted_twice(tmp_path):
+    first = {**STRIP, **lettered("M"), **angled(-90)}
+    spatial = [[float(x), y, 0.0] for x, y in STRIP["vertices_coords"]]
+    again = [
+        {**HEIR, "frame_title": "again"},
+        {**HEIR, **lettered("M")},
+        {**HEIR, "vertices_coords": spatial},
+        {**first, **angled(-90.0)},
+    ]
+    for classes in (["linkage"], ["graph"], [], ["foldedForm"]):
+        again.append({**HEIR, **lettered("V"), "frame_classes": classes})
+    found = read(tmp_path, {**first, "file_frames": again})
+    assert found.patterns == 1
+    assert found.findings == ()
+    assert crease_of(found) == ("M", -90)
+    other = {**HEIR, **lettered("V"), **angled(90)}
+    form = {**HEIR, "frame_classes": ["foldedForm"], "frame_parent": 4, "vertices_coords": BENT}
+    document = {**first, "file_frames": [*again[:4], other, form]}
+    found = read(tmp_path, document)
+    assert found.patterns == 2
+    assert found.pattern.folded_coords is not None  # of a frame that is the first once more
+    second = read(tmp_path, document, frame=2)
+    assert crease_of(second) == ("V", 90)
+    assert second.pattern.folded_coords is None
+
+
+@pytest.mark.parametrize("parent", [0, 1])
+def test_the_pattern_that_says_more_of_the_same_is_read(tmp_path, parent):
+    """Letters that a frame adds are not lost, nor is a folded form of the sheet without them."""
+    form = {**HEIR, "frame_classes": ["foldedForm"], "frame_parent": parent}
+    frames = [
+        {**HEIR, **lettered("V")},
+        {**HEIR, **lettered("M")},
+        {**form, "vertices_coords": BENT},
+    ]
+    document = {**STRIP, "file_frames": frames}
+    found = read(tmp_path, document)
+    assert found.patterns == 3
+    assert found.pattern.folded_coords is not None
+    assert crease_of(found) == ("V", pytest.approx(90))
+    told = found.findings[0]
+    assert told.code == "several-patterns"
+    assert "number 2 is read, which is the first with edges_assignment besides" in told.text
+    assert "--frame 1" in told.text
+    assert "assignment-missing" not in {finding.code for finding in found.findings}
+    assert crease_of(read(tmp_path, document, frame=2))[0] == "V"
+    bare = read(tmp_path, document, frame=1)
+    assert "assignment-missing" in {finding.code for finding in bare.findings}
+    del document["file_frames"][2]
+    assert crease_of(read(tmp_path, document, frame=3))[0] == "M"
+    other = {**STRIP, **lettered("V"), "vertices_coords": [[x, 2 * y] for x, y in ((0, 0), (2, 0),
+             (4, 0), (0, 2), (2, 2), (4, 2))]}  # fmt: skip
+    found = read(tmp_path, {**STRIP, "file_frames": [other]})
+    assert "the first is read" in found.findings[0].text  # of another sheet, nothing is known
+
+
+@pytest.mark.parametrize(
+    "odd", [3, {}, "x", [[[[1]]]], [3], ["a" * 9, None], [{}], [[1e999, -0.0]]]
+)
+@pytest.mark.parametrize("key", ["vertices_coords", "edges_assignment", "frame_unit", "faceOrders"])
+def test_odd_values_of_other_patterns_leave_the_first(tmp_path, key, odd):
+    document = {**STRIP, **lettered("M"), "faceOrders": [[0, 1, 1]], **angled(-90)}
+    found = read(tmp_path, {**document, "file_frames": [{**HEIR, key: odd}]})
+    assert [finding.code for finding in found.findings] == ["several-patterns"]
+    assert crease_of(found) == ("M", -90)
