@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 from scipy.spatial import KDTree
 
-from fab.errors import Finding, Severity
+from fab.errors import Finding, Severity, counted
 from fab.formats.drawn.dashes import extended, facing, of_rows, rows_of
-from fab.formats.drawn.line_soup import LineSoup
+from fab.formats.drawn.line_soup import Letters, LineSoup
 from fab.formats.drawn.own_cuts import without_bridges, without_slots
-from solver.vectors import BoolArray, FloatArray
+from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["OPERATIONS", "recovered_sheet"]
 
@@ -36,6 +36,8 @@ _WIDEST_KERF_MM = 10.0
 _LEAST_KERF_MM = 1e-3
 _AGREE_MM = 1e-3
 _LEAST_SINE = 0.1
+# Sine of the least angle of two chords of a curve; those that turn less are on one line.
+_LEAST_BEND = 2e-6
 # Pairs of creases that are asked for a kerf.
 _TRIALS = 500
 
@@ -97,7 +99,8 @@ def recovered_sheet(
     crease = ~np.isin(letters, ["B", "C"])
     border = letters == "B"
     if border.any() and crease.any():
-        half = _half_kerf(ends, crease, border, rings)
+        exact = _exact(ends, rows.dashes, letters)
+        half = _half_kerf(ends, crease, border, exact, rings)
         if half is None:
             findings.append(
                 Finding(
@@ -119,8 +122,12 @@ def recovered_sheet(
             )
     ends, open_ends = _to_vertices(ends, crease)
     dashes = int(rows.dashes[rows.dashes > 1].sum())
-    text = f"{dashes} dashes of our own sheet are joined to {int((rows.dashes > 1).sum())} creases"
-    findings.append(Finding("dashes-joined", Severity.NOTE, f"{text}, drawn on to their vertices."))
+    joined = int((rows.dashes > 1).sum())
+    if joined:
+        text = f"{dashes} dashes of our own sheet are joined to {counted(joined, 'crease')}"
+        findings.append(
+            Finding("dashes-joined", Severity.NOTE, f"{text}, drawn on to their vertices.")
+        )
     if open_ends:
         findings.append(
             Finding(
@@ -134,10 +141,15 @@ def recovered_sheet(
 
 
 def _to_vertices(ends: FloatArray, crease: BoolArray) -> tuple[FloatArray, int]:
-    """Creases drawn on to where they meet, and how many of their ends meet nothing."""
+    """Creases drawn on to where they meet, and how many of their ends meet nothing.
+
+    Chords of a curve meet in pairs, which are found before lines that are farther away.
+    """
     loose = np.repeat(crease[:, None], 2, axis=1)
     for reach in _REACHES_MM:
         ends, moved = extended(ends, loose, np.full(len(ends), reach), _NEAR_MM, _SUPPORT)
+        loose &= ~moved
+        ends, moved = _bends(ends, loose, reach)
         loose &= ~moved
     ends, closed = _straight_through(ends, loose)
     loose &= ~closed
@@ -145,6 +157,35 @@ def _to_vertices(ends: FloatArray, crease: BoolArray) -> tuple[FloatArray, int]:
         ends, moved = extended(ends, loose, np.full(len(ends), reach), _NEAR_MM, 1)
         loose &= ~moved
     return ends, int(loose.sum())
+
+
+def _bends(ends: FloatArray, loose: BoolArray, reach: float) -> tuple[FloatArray, BoolArray]:
+    """Loose ends that meet each other first moved to where they do, and which these are."""
+    out, moved = ends.copy(), np.zeros(loose.shape, bool)
+    line, side = np.nonzero(loose)
+    if len(line) < 2:
+        return out, moved
+    start = ends[line, side]
+    span = start - ends[line, 1 - side]
+    along = span / np.hypot(span[:, 0], span[:, 1])[:, None]
+    rays = shapely.linestrings(np.stack([start, start + reach * along], axis=1))
+    mine, other = shapely.STRtree(rays).query(rays, predicate="intersects")
+    sine = along[mine, 0] * along[other, 1] - along[mine, 1] * along[other, 0]
+    fits = (line[mine] != line[other]) & (np.abs(sine) > _LEAST_BEND)
+    mine, other, sine = mine[fits], other[fits], sine[fits]
+    apart = start[other] - start[mine]
+    ahead = (apart[:, 0] * along[other, 1] - apart[:, 1] * along[other, 0]) / sine
+    order = np.lexsort((ahead, mine))
+    order = order[np.diff(mine[order], prepend=-1) != 0]
+    nearest = np.full(len(line), -1)
+    nearest[mine[order]] = other[order]
+    way = np.zeros(len(line))
+    way[mine[order]] = ahead[order]
+    pair = np.flatnonzero(nearest >= 0)
+    pair = pair[nearest[nearest[pair]] == pair]
+    out[line[pair], side[pair]] = start[pair] + way[pair, None] * along[pair]
+    moved[line[pair], side[pair]] = True
+    return out, moved
 
 
 def _straight_through(ends: FloatArray, loose: BoolArray) -> tuple[FloatArray, BoolArray]:
@@ -165,8 +206,30 @@ def _straight_through(ends: FloatArray, loose: BoolArray) -> tuple[FloatArray, B
     return out, closed
 
 
+def _exact(ends: FloatArray, dashes: IntArray, letters: Letters) -> BoolArray:
+    """Which rows end just a margin before their vertices.
+
+    A crease with room for one dash alone has it in the middle, as long as was asked for: farther
+    from its vertices. So the longest rows of one line each are left out, unless all of a letter
+    are as long, and end as far from their vertices as each other.
+    """
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    exact: BoolArray = dashes > 1
+    for letter in np.unique(letters):
+        own = letters == letter
+        alone = own & (dashes == 1)
+        if alone.any():
+            shorter = alone & (length < length[alone].max() - _AGREE_MM)
+            exact |= shorter if shorter.any() or (own & exact).any() else alone
+    return exact
+
+
 def _half_kerf(
-    ends: FloatArray, crease: BoolArray, border: BoolArray, holes: Sequence[FloatArray]
+    ends: FloatArray,
+    crease: BoolArray,
+    border: BoolArray,
+    exact: BoolArray,
+    holes: Sequence[FloatArray],
 ) -> float | None:
     """Half of the kerf by which outlines were moved; None where it does not show.
 
@@ -175,6 +238,7 @@ def _half_kerf(
     farther by the radius, which was drawn smaller.
     """
     within = np.concatenate([ends[crease], ends[~crease & ~border]])
+    known = np.concatenate([exact[crease], exact[~crease & ~border]])
     count = len(within)
     loose = np.zeros((count, 2), bool)
     loose[: int(crease.sum())] = True
@@ -183,10 +247,11 @@ def _half_kerf(
     for reach in _REACHES_MM:
         out, moved = extended(within, loose, np.full(count, reach), _NEAR_MM, 1)
         loose &= ~moved
-        step = np.hypot(*np.moveaxis(out - within, 2, 0))[moved]
-        parts.append(_of_holes(out[moved], step, holes))
-        reached[moved] = step
-    parts.append(_to_outlines(within, reached, ends[border]))
+        step = np.hypot(*np.moveaxis(out - within, 2, 0))
+        reached[moved] = step[moved]
+        told = moved & known[:, None]
+        parts.append(_of_holes(out[told], step[told], holes))
+    parts.append(_to_outlines(within[known], reached[known], ends[border]))
     return _agreed(np.concatenate(parts))
 
 
@@ -236,9 +301,12 @@ def _to_outlines(lines: FloatArray, reached: FloatArray, walls: FloatArray) -> F
 
 
 def _agreed(system: FloatArray) -> float | None:
-    """The h of most equations m + s h = d, rows (1, s, d); None where they do not settle it."""
+    """The h of most equations m + s h = d, rows (1, s, d); None where they do not settle it.
+
+    Of several with as many the least.
+    """
     generator = np.random.default_rng(0)
-    best, most = None, 2
+    best, most, least = None, 2, np.inf
     slants = np.unique(np.round(system[:, 1], 6))
     if len(slants) < 2:
         return None
@@ -253,8 +321,9 @@ def _agreed(system: FloatArray) -> float | None:
             continue
         off = np.abs(margin + half * system[:, 1] - system[:, 2])
         agree = off <= _AGREE_MM
-        if len(np.unique(np.round(system[agree, 1], 6))) >= 2 and agree.sum() > most:
-            most = int(agree.sum())
+        better = (-agree.sum(), half) < (-most, least - _AGREE_MM)
+        if len(np.unique(np.round(system[agree, 1], 6))) >= 2 and better and agree.sum() > 2:
+            most, least = int(agree.sum()), half
             fit = np.linalg.lstsq(system[agree, :2], system[agree, 2], rcond=None)[0]
             best = float(fit[1])
     return best if most > len(system) / 4 else None

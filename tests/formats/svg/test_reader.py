@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flat_patterns import grid, triangles
+from flat_patterns import grid, pattern_of, triangles
 from formats.svg import dialects
 from helpers import TEMPLATES
 from hypothesis import HealthCheck, given, settings
@@ -170,6 +170,36 @@ def test_sheets_of_jobs_are_their_patterns_again(name, tmp_path):
     assert Counter(soup.lines_assignment.tolist()) == Counter(letters.tolist())
     found = lengths(soup.lines_coords, soup.lines_assignment)
     assert found == pytest.approx(lengths(ends, letters), rel=1e-6)
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@given(seed=st.integers(0, 2**31), kerf=st.sampled_from([0.0, 0.15, 0.4]))
+def test_sheets_with_a_curved_crease_are_their_patterns_again(seed, kerf, tmp_path):
+    """Chords meet in pairs, also those too short for more than one dash, near the outline or not.
+
+    The kerf is that of the outlines, or not known; never another one.
+    """
+    random = np.random.default_rng(seed)
+    least = random.choice([2.0, 4.0, 9.0])
+    y = np.cumsum(
+        least + random.exponential(random.choice([0.5, 5.0]), int(random.integers(3, 25)))
+    )
+    y = np.concatenate([[0.0], y])
+    x = 15.0 + 40.0 * y[-1] / 100 * np.sin(np.pi * y / y[-1]) + random.normal(0, 0.3, len(y))
+    crease = np.column_stack([x, y])
+    width = x.max() + random.choice([3.0, 60.0])
+    corners = [[0.0, 0.0], [width, 0.0], [width, y[-1]], [0.0, y[-1]]]
+    count = len(crease)
+    across = list(range(4, 4 + count))
+    faces = [[0, *across, 3], [1, 2, *across[::-1]]]
+    pattern = pattern_of(np.concatenate([corners, crease]), faces)
+    soup = read(tmp_path, sheet_of(pattern, kerf))
+    found = lengths(soup.lines_coords, soup.lines_assignment)
+    wanted = lengths(pattern.vertices_coords[pattern.edges_vertices], pattern.edges_assignment)
+    assert Counter(soup.lines_assignment.tolist())["M"] == count - 1
+    known = "kerf-unknown" not in codes(soup)
+    assert found == pytest.approx(wanted, rel=0, abs=1e-3 if known else 5 * kerf + 1e-3)
+    assert ("kerf-removed" in codes(soup)) == (known and kerf > 0)
 
 
 def test_slits_of_our_own_sheets_stay_cuts(tmp_path):
