@@ -15,6 +15,9 @@ from fab.cli.options import FILE, Size, dry_run, reading_options, size_options
 from fab.errors import InvalidFile, InvalidJob, Severity
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from fab.errors import Finding
     from fab.formats.read_options import ReadOptions
 
 __all__ = ["check", "convert"]
@@ -28,11 +31,11 @@ __all__ = ["check", "convert"]
 @size_options
 @reading_options
 def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> None:
-    """Measure a pattern that has a folded form: planar, developable, isometric, uncrossed?
+    """Measure a pattern: is its folded form planar, developable, isometric, uncrossed?
 
-    FILE is FOLD, or one of a pair of OBJ files; drawings have no folded form. Of any pattern it
-    says whether it folds with flat faces, and with how many degrees of freedom; and of one that
-    folds flat whether its layers have an order.
+    FILE is of any format that is read. Of any pattern it says whether it folds with flat faces, and
+    with how many degrees of freedom; and of one that folds flat whether its layers have an order.
+    A folded form is measured where the file has one, as FOLD files and pairs of OBJ files may.
     """
     with answers():
         from fab.folding.rigid_motion import rigid_motion
@@ -64,16 +67,18 @@ def check(file: Path, tolerance: float, size: Size, options: ReadOptions) -> Non
         unordered = inspect_layers(layers)
         tell(unordered)
         if found is None:
-            raise InvalidFile(
-                f"{file}: no folded frame to measure. Add a frame of class foldedForm."
-            )
+            say("folded form         none to measure; the FOLD file that `simulate` writes has one")
+            sys.exit(1 if _has_error([*read.findings, *unordered]) else 0)
         say(f"planarity           {found.accuracy.planarity_max:.3e}")
         say(f"developability      {found.accuracy.developability_max_rad:.3e} rad")
         say(f"isometry            {found.accuracy.isometry_max_rel:.3e}")
         say(f"crossings           {found.crossings}")
         tell(found.findings)
-        lies = all(finding.severity != Severity.ERROR for finding in unordered)
-        sys.exit(0 if found.within_tolerance and lies else 1)
+        sys.exit(0 if found.within_tolerance and not _has_error(unordered) else 1)
+
+
+def _has_error(findings: Sequence[Finding]) -> bool:
+    return any(finding.severity == Severity.ERROR for finding in findings)
 
 
 @click.command()

@@ -9,11 +9,13 @@ import ezdxf
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from folded_strips import strip as folded_strip
 from formats.drawing_dialects import DIALECTS, Source
 from helpers import PATTERNS
 
 from fab.cli.group import main
 from fab.formats.fold.reader import read_fold
+from fab.formats.fold.writer import fold_bytes
 from fab.formats.reading import READ
 from fab.pattern.kinematics import vertices_closure_rad
 
@@ -189,12 +191,28 @@ def test_thicken_makes_the_same_panels_of_every_format(here, ending):
 @pytest.mark.parametrize("ending", FORMATS)
 def test_check_measures_what_has_a_folded_form(here, ending):
     result = run("check", written(here, ending), *options_for(ending))
-    if ending in ("fold", "obj"):
-        assert result.exit_code == 0, result.output
-        assert "M:1 V:1 F:0 B:8" in result.output
-    else:
-        assert result.exit_code == 2
-        assert "no folded frame to measure" in result.output
+    assert result.exit_code == 0, result.output
+    assert "M:1 V:1 F:0 B:" in result.stdout
+    assert "flat faces          folds rigidly" in result.stdout
+    has_form = ending in ("fold", "obj")
+    assert ("planarity" in result.stdout) == has_form
+    assert ("folded form         none to measure" in result.stdout) == (not has_form)
+    assert "quadfold:" not in result.stderr
+
+
+@pytest.mark.parametrize(("letters", "code"), [("VM", 0), ("VV", 1)])
+def test_check_ends_with_1_where_a_sheet_without_a_folded_form_is_at_fault(here, letters, code):
+    """Of flaps of 30 mm on a face of 10 mm, each covers the crease of the other."""
+    (here / "flaps.fold").write_bytes(fold_bytes(folded_strip([30, 10, 30], letters), "flaps"))
+    result = run("check", "flaps.fold")
+    assert result.exit_code == code, result.output
+    assert ("error: cannot-lie-flat" in result.stderr) == (code == 1)
+    folding = "none to measure; the FOLD file that `simulate` writes has one"
+    assert folding in result.stdout
+    run("simulate", "flaps.fold", "--only", "fold", "--out", "out")
+    again = run("check", "out/flaps_folding.fold")
+    assert "planarity" in again.stdout
+    assert "none to measure" not in again.output
 
 
 @pytest.mark.parametrize("ending", FORMATS)
