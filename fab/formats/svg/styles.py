@@ -31,6 +31,8 @@ PROPERTIES = {
     "translate": False,
     "visibility": True,
 }
+# An attribute of this name is no property: it has another grammar.
+_ATTRIBUTES = tuple(name for name in PROPERTIES if name != "transform")
 # Selectors of more parts could take very long to match.
 _MOST_PARTS = 4
 _MOST_RULES = 5_000
@@ -66,9 +68,12 @@ class Sheets:
         self.skipped = skipped
 
     def of(self, element: ET.Element) -> dict[str, str]:
-        """The properties that are declared for an element itself, after the order of CSS."""
+        """The properties that are declared for an element itself, after the order of CSS.
+
+        Its transform is that of CSS alone.
+        """
         get = element.attrib.get
-        found = {name: value for name in PROPERTIES if (value := get(name)) is not None}
+        found = {name: value for name in _ATTRIBUTES if (value := get(name)) is not None}
         rules = self._rules.get(element)
         inline = get("style")
         if rules is None:

@@ -24,13 +24,13 @@ from fab.formats.svg.conditions import chosen_of, is_meant
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
 from fab.formats.svg.styles import local_name, style_sheets
+from fab.formats.svg.transforms import attribute_transform, product, style_transform
 from fab.formats.svg.viewports import (
     IDENTITY,
     Matrix,
     Page,
     length_px,
     origin_of,
-    transform_of,
     viewport_matrix,
 )
 
@@ -167,12 +167,10 @@ def drawing_of(
         name = f"{tag} {shown(identity)}" if identity else f"{tag} {counts[tag]}"
         if inner.visible and not inner.hidden and inner.meant:
             require_lengths(path, name, tag, element.attrib)
-        if (text := declared.get("transform")) is not None:
-            matrix = _about_origin(transform_of(text), declared, inner.size)
-            if matrix is None:
-                out.fault("transform", name)
-            else:
-                inner = replace(inner, matrix=_product(inner.matrix, matrix))
+        if (matrix := _own_transform(element, declared, inner.size)) is None:
+            out.fault("transform", name)
+        elif matrix != IDENTITY:
+            inner = replace(inner, matrix=product(inner.matrix, matrix))
         if any(declared.get(key, "none") != "none" for key in ("translate", "rotate", "scale")):
             out.fault("transform", name)
         if declared.get("clip-path", "none") != "none" or declared.get("mask", "none") != "none":
@@ -277,11 +275,11 @@ def _within(element: ET.Element, tag: str, context: _Context, outermost: bool) -
         get = element.attrib.get
         if tag == "svg":
             x, y = length_px(get("x"), width), length_px(get("y"), height)
-            out = replace(out, matrix=_product(out.matrix, (1.0, 0.0, 0.0, 1.0, x, y)))
+            out = replace(out, matrix=product(out.matrix, (1.0, 0.0, 0.0, 1.0, x, y)))
         across = length_px(context.given[0] or get("width"), width, width)
         up = length_px(context.given[1] or get("height"), height, height)
         matrix, size = viewport_matrix(element.attrib, across, up)
-        out = replace(out, matrix=_product(out.matrix, matrix), size=size)
+        out = replace(out, matrix=product(out.matrix, matrix), size=size)
     return out
 
 
@@ -302,12 +300,23 @@ def _used(
     x, y = length_px(get("x"), width), length_px(get("y"), height)
     inner = replace(
         context,
-        matrix=_product(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y)),
+        matrix=product(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y)),
         uses=context.uses + 1,
         label=local_name(found),
         given=(get("width", ""), get("height", "")),
     )
     return [(found, inner, False)]
+
+
+def _own_transform(
+    element: ET.Element, declared: dict[str, str], size: tuple[float, float]
+) -> Matrix | None:
+    """The transform of an element, by its style before its attribute; None where none is read."""
+    if (text := declared.get("transform")) is not None:
+        return _about_origin(style_transform(text), declared, size)
+    if (text := element.get("transform")) is not None:
+        return _about_origin(attribute_transform(text), declared, size)
+    return IDENTITY
 
 
 def _about_origin(
@@ -320,23 +329,8 @@ def _about_origin(
     if origin is None or declared.get("transform-box", "view-box") != "view-box":
         return None
     x, y = origin
-    moved = _product((1.0, 0.0, 0.0, 1.0, x, y), matrix)
-    return _product(moved, (1.0, 0.0, 0.0, 1.0, -x, -y))
-
-
-def _product(outer: Matrix, inner: Matrix) -> Matrix:
-    if inner == IDENTITY:
-        return outer
-    a, b, c, d, e, f = outer
-    p, q, r, s, t, u = inner
-    return (
-        a * p + c * q,
-        b * p + d * q,
-        a * r + c * s,
-        b * r + d * s,
-        a * t + c * u + e,
-        b * t + d * u + f,
-    )
+    moved = product((1.0, 0.0, 0.0, 1.0, x, y), matrix)
+    return product(moved, (1.0, 0.0, 0.0, 1.0, -x, -y))
 
 
 def _share(text: str | None, default: float) -> float:

@@ -1,4 +1,4 @@
-"""Lengths, transforms and viewports of SVG: from the numbers of a file to places on its page."""
+"""Lengths and viewports of SVG: from the numbers of a file to places on its page."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TypeAlias
 
 __all__ = [
+    "ABSOLUTE_PX",
     "IDENTITY",
+    "NUMBER",
     "PX_MM",
     "Matrix",
     "Page",
@@ -19,7 +20,6 @@ __all__ = [
     "numbers",
     "origin_of",
     "page_of",
-    "transform_of",
     "viewport_matrix",
 ]
 
@@ -30,9 +30,10 @@ IDENTITY: Matrix = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _INCH_MM = 25.4
 # A CSS pixel, mm.
 PX_MM = _INCH_MM / 96
-_NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?")
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = re.compile(NUMBER)
 # Fits a text in one way only, so that none takes long to refuse.
-_LENGTH = re.compile(rf"({_NUMBER.pattern})\s*(%|[a-zA-Z]*)")
+_LENGTH = re.compile(rf"({NUMBER})\s*(%|[a-zA-Z]*)")
 _PHYSICAL_MM = {
     "mm": 1.0,
     "cm": 10.0,
@@ -41,6 +42,8 @@ _PHYSICAL_MM = {
     "pt": _INCH_MM / 72,
     "pc": _INCH_MM / 6,
 }
+# CSS pixels, which are units of user space, in each unit that depends on nothing else.
+ABSOLUTE_PX = {"px": 1.0} | {unit: mm / PX_MM for unit, mm in _PHYSICAL_MM.items()}
 # Of the window that shows the drawing.
 _OF_WINDOW = frozenset({"vw", "vh", "vmin", "vmax"})
 _RELATIVE_PX = {"": 1.0, "px": 1.0, "em": 16.0, "rem": 16.0, "ex": 8.0, "ch": 8.0}
@@ -92,23 +95,6 @@ def origin_of(text: str, size: tuple[float, float]) -> tuple[float, float] | Non
         for word, whole in zip(words, size, strict=True)
     )
     return (x, y) if math.isfinite(x) and math.isfinite(y) else None
-
-
-@lru_cache(maxsize=4096)
-def transform_of(text: str) -> Matrix | None:
-    """The matrix of a transform attribute or property; None where it cannot be read."""
-    import svgelements
-
-    try:
-        found = svgelements.Matrix(text)
-        values = tuple(float(getattr(found, name)) for name in "abcdef")
-    except (ValueError, IndexError, TypeError, AttributeError, ArithmeticError):
-        return None
-    if not all(map(math.isfinite, values)):
-        return None
-    if not re.search(r"matrix|translate|scale|rotate|skew", text, re.IGNORECASE):
-        return IDENTITY if text.strip().lower() in ("", "none") else None
-    return values  # type: ignore[return-value]
 
 
 def viewport_matrix(

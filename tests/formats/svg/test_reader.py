@@ -470,6 +470,61 @@ def test_transforms_of_other_kinds_are_told(tmp_path):
     assert "of 2 elements" in text_of(soup, "transform-unreadable")
 
 
+@pytest.mark.parametrize(
+    ("moved", "end"),
+    [
+        ('transform="translate(7-3)"', (17, -3)),
+        ('transform=" scale( 2 , 3 ),translate(1e0 .5.5) "', None),
+        ('transform="scale(2, 3),translate(1e0.5)"', (22, 1.5)),
+        ('transform="rotate(90 , 10 5)"', (15, 5)),
+        ('transform="skewX(45) matrix(1 0 0 1 0 2)"', (12, 2)),
+        ('transform="none"', (10, 0)),
+        ('transform=""', (10, 0)),
+        ('transform="translate(1cm 0)"', None),
+        ('transform="translate(3px, 4px)"', None),
+        ('transform="rotate(90deg)"', None),
+        ('transform="matrix(1 0 0)"', None),
+        ('transform="translate(1 2 3)"', None),
+        ('transform="translate(1,,2)"', None),
+        ('transform="translate(5%)"', None),
+        ('transform="scaleX(2)"', None),
+        ('transform="translate(1 2) 5"', None),
+        ('transform=", scale(2)"', None),
+        ('style="transform:translate(10mm,0)"', (10 + 10 / PX_MM, 0)),
+        ('style="transform: translate(1cm, -1in)"', (10 + 10 / PX_MM, -96)),
+        ('style="transform:translateX(3pt) translateY(1pc)"', (14, 16)),
+        ('style="transform:translate(4px)"', (14, 0)),
+        ('style="transform:rotate(90deg)"', (0, 10)),
+        ('style="transform:rotate(.25turn)"', (0, 10)),
+        ('style="transform:rotate(100grad)"', (0, 10)),
+        ('style="transform:rotate(1.5707963267948966rad)"', (0, 10)),
+        ('style="transform:scaleX(2)scaleY(3)"', (20, 0)),
+        ('style="transform:skew(0, 45deg)"', (10, 10)),
+        ('style="transform:skewY(45deg)"', (10, 10)),
+        ('style="transform:matrix(2,0,0,2,1,3)"', (21, 3)),
+        ('style="transform:none" transform="scale(2)"', (10, 0)),
+        ('style="transform:scale(3)" transform="scale(2)"', (30, 0)),
+        ('class="cm"', (10 + 10 / PX_MM, 0)),
+        ('style="transform:translate(50%, 0)"', None),
+        ('style="transform:translate(1em, 0)"', None),
+        ('style="transform:translate(3, 4)"', None),
+        ('style="transform:translate(3px 4px)"', None),
+        ('style="transform:rotate(90)"', None),
+        ('style="transform:rotate(1px)"', None),
+        ('style="transform:scale(2px)"', None),
+        ('style="transform:translate(calc(1px + 2px), 0)"', None),
+        ('style="transform:rotate3d(0,0,1,90deg)"', None),
+        ('style="transform:var(--t)"', None),
+    ],
+)
+def test_transforms_are_read_with_their_units_or_reported(moved, end, tmp_path):
+    style = "<style>.cm {transform: translate(1cm, 0)}</style>"
+    soup = drawn(tmp_path, f'{style}<line x2="10" stroke="red" {moved}/>')
+    x, y = soup.lines_coords[0, 1]
+    assert (x, -y) == pytest.approx(end or (10, 0), abs=1e-9)
+    assert ("transform-unreadable" in codes(soup)) is (end is None)
+
+
 def test_a_used_drawing_has_the_size_that_the_use_gives(tmp_path):
     soup = drawn(
         tmp_path,
