@@ -411,6 +411,13 @@ DRAWINGS = (
         "Unlink the clones in the drawing program.",
     ),
     Explanation(
+        "stroke-without-width",
+        (NOTE,),
+        "Strokes of width 0 are taken for lines, although SVG draws nothing there.",
+        "Programs for lasers write hairlines so; others hide lines by it.",
+        "Nothing, or remove the shapes that are not meant, or their stroke.",
+    ),
+    Explanation(
         "shape-unreadable",
         (WARNING,),
         "Of a shape only what comes before a fault is taken.",

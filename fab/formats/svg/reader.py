@@ -339,6 +339,14 @@ _FAULTS = {
         "{count} refer to nothing in the file, or to themselves, the first is {first}: left out.",
         "reference",
     ),
+    "width": (
+        "stroke-without-width",
+        Severity.NOTE,
+        "{count} with a stroke of width 0, the first is {first}: taken for lines, as programs for "
+        "lasers write hairlines so, although SVG draws nothing there. Remove them, or their "
+        "stroke, where they are not meant.",
+        "shape",
+    ),
     "shape": (
         "shape-unreadable",
         Severity.WARNING,

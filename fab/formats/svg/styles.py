@@ -23,6 +23,7 @@ PROPERTIES = {
     "opacity": False,
     "stroke": True,
     "stroke-opacity": True,
+    "stroke-width": True,
     "rotate": False,
     "scale": False,
     "transform": False,

@@ -79,6 +79,7 @@ class _Context:
     fill: str = "black"
     colour: str = "black"
     stroke_opacity: str = "1"
+    stroke_width: str = "1"
     visible: bool = True
     hidden: bool = False
     meant: bool = True
@@ -250,6 +251,7 @@ def _inherited(around: _Context, declared: dict[str, str]) -> _Context:
         ("stroke", "stroke"),
         ("fill", "fill"),
         ("stroke-opacity", "stroke_opacity"),
+        ("stroke-width", "stroke_width"),
     ):
         value = declared.get(key)
         if value is not None and value != "inherit":
@@ -376,6 +378,8 @@ def _shape(
         out.fault("shape", name)
     if not drawn.runs:
         return None
+    if stroked and length_px(context.stroke_width, 1.0, 1.0) == 0:
+        out.fault("width", name)
     colour = stroke if stroked else fill if filled else None
     letter = letter_of(colour, names, colours)
     if colours:

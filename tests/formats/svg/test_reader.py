@@ -525,6 +525,38 @@ def test_transforms_are_read_with_their_units_or_reported(moved, end, tmp_path):
     assert ("transform-unreadable" in codes(soup)) is (end is None)
 
 
+@pytest.mark.parametrize(
+    ("around", "width", "told"),
+    [
+        ("", 'stroke-width="0"', True),
+        ("", 'style="stroke-width:0mm"', True),
+        ("", 'style="stroke-width: 0.0%"', True),
+        ("", 'class="hair"', True),
+        ('stroke-width="0"', "", True),
+        ('style="stroke-width:0px"', 'stroke-width="inherit"', True),
+        ('stroke-width="0"', 'stroke-width="0.001"', False),
+        ('stroke-width="0"', 'style="stroke-width:1px"', False),
+        ('stroke-width="0"', 'style="stroke-width:initial"', False),
+        ("", "", False),
+    ],
+)
+def test_hairlines_without_width_are_lines_and_reported(around, width, told, tmp_path):
+    style = "<style>.hair {stroke-width: 0}</style>"
+    soup = drawn(tmp_path, f'{style}<g {around}><line id="a" x2="9" stroke="red" {width}/></g>')
+    assert soup.lines_assignment.tolist() == ["M"]
+    assert ("stroke-without-width" in codes(soup)) is told
+    if told:
+        assert "1 shape with a stroke of width 0" in text_of(soup, "stroke-without-width")
+        assert "line 'a'" in text_of(soup, "stroke-without-width")
+
+
+def test_what_has_no_stroke_has_no_width_to_report(tmp_path):
+    line = '<line x2="9" stroke="red"/>'
+    hidden = '<g display="none"><line x2="9" stroke="red" stroke-width="0"/></g>'
+    soup = drawn(tmp_path, f'{line}{hidden}<rect width="5" height="5" stroke-width="0"/>')
+    assert "stroke-without-width" not in codes(soup)
+
+
 def test_a_used_drawing_has_the_size_that_the_use_gives(tmp_path):
     soup = drawn(
         tmp_path,
