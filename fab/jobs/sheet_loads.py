@@ -83,14 +83,18 @@ class CarriedLoads:
         }
 
     def sentence(self) -> str:
-        """Such as "sags by 12.3 mm at vertex 14 (of card_300gsm, weight 0.31 N)"."""
+        """Such as "under load it sags by 12.3 mm at vertex 14 (card, weight 0.31 N)".
+
+        It is said to rise or to move where it does so; the weight is named where it loads it.
+        """
         sheet = self.sheet
-        number = self._number(sheet.sag_vertex)
-        x, y = sheet.frame.sheet.pattern.vertices_coords[sheet.sag_vertex]
+        how, far, vertex = sheet.moved
+        number = self._number(vertex)
+        x, y = sheet.frame.sheet.pattern.vertices_coords[vertex]
         where = f"({x:.4g}, {y:.4g}) mm of the flat sheet" if number is None else f"vertex {number}"
+        weight = f", weight {sheet.weight_n:.3g} N" if sheet.weighs else ""
         return (
-            f"under load it sags by {sheet.sag_mm:.3g} mm at {where} "
-            f"({self.material.description}, weight {sheet.weight_n:.3g} N)"
+            f"under load it {how} by {far:.3g} mm at {where} ({self.material.description}{weight})"
         )
 
     def findings(self) -> Iterator[Finding]:

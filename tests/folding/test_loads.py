@@ -229,6 +229,35 @@ def test_pressure_with_the_rim_pushes_each_triangle_along_its_normal():
     assert force == pytest.approx(exact, abs=1e-12)
 
 
+def test_reactions_add_up_to_less_the_load_of_weight_pulls_and_pressure():
+    pull = {"at": ["right edge"], "force_n": [0.002, 0.001, -0.003]}
+    for given in (
+        {"weight": False, "pressure_pa": 5.0},
+        {"weight": False, "pressure_pa": 5.0, "pulls": [pull]},
+        {"pressure_pa": 5.0, "pulls": [pull]},
+    ):
+        made = loaded(quads(8, 2, 80.0, 20.0), fixed=[[0.0, 0.0, 10.0, 20.0]], **given)
+        assert made.last.settled
+        load = norm(made.load_n)
+        assert load > 0.001
+        assert norm(made.load_n + made.last.reactions_n.sum(axis=0)) < 1e-6 * load
+        assert made.weighs == given.get("weight", True)
+
+
+def test_how_a_sheet_moves_is_up_down_or_to_the_side():
+    strip, clamp = quads(8, 2, 80.0, 20.0), [[0.0, 0.0, 10.0, 20.0]]
+    assert loaded(strip, fixed=clamp).moved[0] == "sags"
+    made = loaded(strip, fixed=clamp, weight=False, pressure_pa=5.0)
+    how, far, vertex = made.moved
+    assert how == "rises"
+    assert far == pytest.approx(made.displacement_mm[:, 2].max())
+    assert made.frame.sheet.pattern.vertices_coords[vertex, 0] == pytest.approx(80.0)
+    pull = {"at": ["right edge"], "force_n": [0.1, 0.0, 0.0]}
+    how, far, _ = loaded(strip, fixed=clamp, weight=False, pulls=[pull]).moved
+    assert how == "moves"
+    assert 0 < far < 1
+
+
 def test_a_miura_is_carried_by_the_edge_that_holds_it():
     pattern = read_pattern(PATTERNS / "miura.fold")[0]
     frame = framework(pattern)

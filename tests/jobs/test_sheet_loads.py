@@ -52,6 +52,29 @@ def test_a_sheet_that_is_held_sags_with_files_and_figures(tmp_path):
     assert min(moved) < 1e-6  # what is held
 
 
+def test_a_sheet_that_air_lifts_is_said_to_rise_and_its_weight_is_not_named(tmp_path):
+    corners = [[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]]
+    path = tmp_path / "panel.fold"
+    document = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": corners,
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
+        "edges_assignment": ["B"] * 4,
+    }
+    path.write_text(json.dumps(document))
+    words = ["--fix", "border", "--pressure-pa", "100", "--no-weight", "--only", "fold"]
+    words += ["--material", "card_300gsm", "--out", str(tmp_path)]
+    result = CliRunner().invoke(main, ["simulate", str(path), *words])
+    assert result.exit_code == 0, result.output
+    loads = json.loads((tmp_path / "panel_folding.json").read_text())["loads"]
+    assert "under load it rises by " in result.output
+    assert f" rises by {loads['displacement_max_mm']:.3g} mm at " in loads["text"]
+    assert "weight" not in loads["text"]
+    assert loads["load_sum_n"] == pytest.approx([0, 0, 100 * 60e-3 * 40e-3], rel=1e-3, abs=1e-6)
+    assert loads["reaction_sum_n"] == pytest.approx([-x for x in loads["load_sum_n"]], abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -41,6 +41,8 @@ _SOFT_STRAIN, _SOFTEST = 1e-2, 1e-4
 _ROUNDS, _FOLLOWED = 30, 1e-6
 # The sheet is in equilibrium where forces are balanced to this share of the load.
 _BALANCED = 1e-4
+# It sags or rises where the motion up or down is at least this share of the motion.
+_MOSTLY = 0.5
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,8 @@ class LoadedSheet:
         in the finer one.
     fixed : shape (nv,). plate : what it is made of. down : shape (3,), a unit vector.
     bars_stiffness : shape (nb,), newtons over the size of the sheet.
-    weight_n : of the whole sheet. load_n : shape (3,), sum of all dead forces.
+    weight_n : of the whole sheet. weighs : whether it is among the loads.
+    load_n : shape (3,), sum of all loads, pressure as it is where the sheet is at rest.
     """
 
     frame: Framework
@@ -85,6 +88,7 @@ class LoadedSheet:
     bars_stiffness: FloatArray
     down: FloatArray
     weight_n: float
+    weighs: bool
     load_n: FloatArray
     states: tuple[LoadState, ...]
 
@@ -107,6 +111,21 @@ class LoadedSheet:
     def sag_vertex(self) -> int:
         """The vertex that goes down most, of the finer sheet."""
         return int((self.displacement_mm @ self.down).argmax())
+
+    @property
+    def moved(self) -> tuple[str, float, int]:
+        """How most of it moves, by how many mm at most, and the vertex of the finer sheet there.
+
+        Down where it "sags", against the weight where it "rises"; "moves" where most of its
+        motion is to the sides.
+        """
+        far, along = norm(self.displacement_mm), self.displacement_mm @ self.down
+        low, high, most = (int(x.argmax()) for x in (along, -along, far))
+        if max(along[low], -along[high]) < _MOSTLY * far[most]:
+            return "moves", float(far[most]), most
+        if -along[high] > along[low]:
+            return "rises", -float(along[high]), high
+        return "sags", float(along[low]), low
 
     @property
     def outer_strain_max(self) -> float:
@@ -150,7 +169,8 @@ def load_sheet(
         sheet.frame.bars_stiffness,
         sheet.down,
         sheet.weight_n,
-        sheet.forces.sum(axis=0),
+        settings.weight,
+        sheet.loads(at, 1.0).sum(axis=0),
         tuple(states),
     )
 
@@ -281,9 +301,19 @@ class _Loading:
             out = out + potential.linearised(coords)[0]
         return out
 
+    def loads(self, coords: FloatArray, share: float) -> FloatArray:
+        """Forces of weight, pulls and pressure on the vertices, shape (nv, 3), newtons."""
+        gradients = [load.linearised(coords)[0] for load in self._carried(coords, share)]
+        forces: FloatArray = -np.sum(gradients, axis=0)
+        return forces
+
     def _potentials(self, frame: Framework, coords: FloatArray, share: float) -> list[Potential]:
+        return [self.bending, BarTension(frame), *self._carried(coords, share)]
+
+    def _carried(self, coords: FloatArray, share: float) -> list[Potential]:
+        """The loads; forces of pressure at a free rim are those at coords."""
         forces = share * self.forces
-        found: list[Potential] = [self.bending, BarTension(frame)]
+        found: list[Potential] = []
         if self.pressure_n:
             pressure = share * self.pressure_n
             forces = forces + rim_forces(coords, self.pressed, pressure)
