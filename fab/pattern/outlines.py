@@ -14,10 +14,10 @@ from fab.pattern.crease_pattern import CreasePattern
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Outlines", "inner_cuts", "outlines_of"]
+__all__ = ["SAME_PLACE_MM", "Outlines", "inner_cuts", "outlines_of"]
 
 # Vertices of the border nearer than this are one place; a cut between them would be cut twice.
-_SAME_PLACE_MM = 1e-6
+SAME_PLACE_MM = 1e-6
 # A bend of less than this (its sine) does not interrupt a straight cut.
 _STRAIGHT = 1e-9
 
@@ -74,7 +74,7 @@ def outlines_of(pattern: CreasePattern) -> Outlines:
 
 def _same_places(points: FloatArray) -> IntArray:
     """For each point the index of the first point in its place, shape (n,)."""
-    near = cKDTree(points).query_pairs(_SAME_PLACE_MM, output_type="ndarray")
+    near = cKDTree(points).query_pairs(SAME_PLACE_MM, output_type="ndarray")
     label = labels(near, len(points))
     _, first = np.unique(label, return_index=True)
     out: IntArray = first[label]
@@ -87,7 +87,7 @@ def _split(coords: FloatArray, sides: IntArray, places: IntArray) -> IntArray:
         return sides
     tree = shapely.STRtree(shapely.linestrings(coords[sides]))
     points = shapely.points(coords[places])
-    point, side = tree.query(points, predicate="dwithin", distance=_SAME_PLACE_MM)
+    point, side = tree.query(points, predicate="dwithin", distance=SAME_PLACE_MM)
     inside = (sides[side] != places[point, None]).all(axis=1)
     point, side = places[point[inside]], side[inside]
     # every side as its start, the places on it in their order, and its end

@@ -1,5 +1,6 @@
 """Loaded sheets beside exact shapes: elastica, hanging strips, chains, plates, and their forces."""
 
+import json
 from dataclasses import replace
 from itertools import pairwise
 
@@ -299,6 +300,74 @@ def test_vertices_are_chosen_by_number_place_and_name():
         chosen([11.0, 1.0, 12.0, 2.0])
 
 
+def edged(path, places, edges, letters):
+    """A pattern file of vertices, edges between them and their letters, its faces found."""
+    document = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": places,
+        "edges_vertices": edges,
+        "edges_assignment": list(letters),
+    }
+    path.write_text(json.dumps(document))
+    return read_pattern(path)[0]
+
+
+def held_places(pattern, *choices):
+    """Where a sheet whose cuts are open is held, and whether all copies of a place are."""
+    sheet = framework(pattern).sheet
+    flat = sheet.pattern.vertices_coords
+    folded = np.column_stack([flat, np.zeros(len(flat))])
+    down = np.array([0, 0, -1.0])
+    found = chosen_vertices(sheet.pattern, sheet.vertices_source, folded, down, choices, "fix")
+    held, free = (set(map(tuple, flat[which].tolist())) for which in (found, ~found))
+    assert not held & free
+    return held
+
+
+def test_edges_and_border_are_those_of_the_whole_flat_sheet(tmp_path):
+    path = tmp_path / "sheet.fold"
+    strip = [*((10.0 * k, 0.0) for k in range(5)), *((40.0 - 10 * k, 10.0) for k in range(5))]
+    around = [[k, (k + 1) % 10] for k in range(10)]
+    cut = edged(path, strip, [*around, [1, 8], [2, 7], [3, 6]], "B" * 10 + "VCV")
+    assert held_places(cut, "left edge") == {(0, 0), (0, 10)}
+    assert held_places(cut, "right edge") == {(40, 0), (40, 10)}
+    assert held_places(cut, "top edge") == set(strip[5:])
+    assert held_places(cut, "corners") == {(0, 0), (40, 0), (40, 10), (0, 10)}
+    assert held_places(cut, "border") == set(strip)
+    one = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
+    apart = one + [(x + 40, y) for x, y in one]
+    rings = [[k, (k + 1) % 4] for k in range(4)]
+    pieces = edged(path, apart, rings + [[a + 4, b + 4] for a, b in rings], "B" * 8)
+    assert held_places(pieces, "left edge") == {(0, 0), (0, 10)}
+    assert held_places(pieces, "right edge") == {(60, 0), (60, 10)}
+    assert held_places(pieces, "bottom edge") == {(x, y) for x, y in apart if y == 0}
+    assert held_places(pieces, "border") == set(apart)
+    assert held_places(pieces, "corners") == {(0, 0), (60, 0), (60, 10), (0, 10)}
+
+
+def test_inner_slits_and_holes_are_no_border(tmp_path):
+    path = tmp_path / "sheet.fold"
+    outline = [(0.0, 0.0), (30.0, 0.0), (60.0, 0.0), (60.0, 40.0), (30.0, 40.0), (0.0, 40.0)]
+    around = [[k, (k + 1) % 6] for k in range(6)]
+    slit = [(30.0, 10.0), (30.0, 20.0), (30.0, 30.0)]
+    across = [[1, 6], [6, 7], [7, 8], [8, 4]]
+    assert held_places(edged(path, outline + slit, around + across, "BBBBBBVCCV"), "border") == set(
+        outline
+    )
+    # slit from the outline
+    assert held_places(edged(path, outline + slit, around + across, "BBBBBBCCVV"), "border") == set(
+        outline
+    )
+    square = [(20.0, 10.0), (20.0, 30.0), (40.0, 30.0), (40.0, 10.0)]
+    ring = [[6, 7], [7, 8], [8, 9], [9, 6]]
+    spokes = [[0, 6], [5, 7], [3, 8], [2, 9]]
+    hole = edged(path, outline + square, around + ring + spokes, "B" * 10 + "VMVM")
+    assert held_places(hole, "border") == set(outline)
+    assert held_places(hole, "left edge") == {(0, 0), (0, 40)}
+    assert held_places(hole, [15.0, 5.0, 45.0, 35.0]) == set(square)
+
+
 def test_a_piece_that_nothing_holds_is_refused():
     first, second = quads(1, 1, 10.0, 10.0), quads(1, 1, 10.0, 10.0)
     both = replace(
@@ -315,6 +384,8 @@ def test_a_piece_that_nothing_holds_is_refused():
         faces_vertices=np.concatenate([first.faces_vertices, second.faces_vertices + 4]),
         faces_offsets=np.array([0, 4, 8]),
     )
-    with pytest.raises(InvalidJob, match="no vertex of the piece"):
-        loaded(both, fixed=[0])
-    assert loaded(both, fixed=["left edge"]).last.settled
+    said = r"1 of the 2 pieces.*no vertex of the piece in \[20, 0, 30, 10\] mm.*it would fall"
+    for held in (0, "left edge"):
+        with pytest.raises(InvalidJob, match=said):
+            loaded(both, fixed=[held])
+    assert loaded(both, fixed=["left edge", [20.0, 0.0, 20.0, 10.0]]).last.settled

@@ -25,7 +25,8 @@ AtVertices = Annotated[
         min_length=1,
         description="vertices by number; a region of the flat sheet, [x from, y from, x to, y to] "
         'in mm; or "left edge", "right edge", "top edge", "bottom edge" of the flat sheet, its '
-        '"corners" or its whole "border"; "lowest" or "highest" of the folded sheet',
+        '"corners" or its "border", without holes and slits; "lowest" or "highest" of '
+        "the folded sheet",
     ),
 ]
 

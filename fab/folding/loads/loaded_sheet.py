@@ -342,11 +342,14 @@ def _require_held(frame: Framework, fixed: BoolArray) -> None:
     used[frame.triangles_vertices.ravel()] = True
     missing = np.setdiff1d(component[used], component[fixed])
     if len(missing):
-        vertex = int(np.flatnonzero(component == missing[0])[0])
-        x, y = frame.sheet.pattern.vertices_coords[vertex]
+        inside = np.flatnonzero((component == missing[0]) & used)
+        flat = frame.sheet.pattern.vertices_coords[inside]
+        box = ", ".join(f"{value:.6g}" for value in (*flat.min(axis=0), *flat.max(axis=0)))
+        pieces = len(np.unique(component[used]))
         raise InvalidJob(
-            f"loads.fixed holds no vertex of the piece of the sheet around ({x:.4g}, {y:.4g}) mm: "
-            "it would fall. Fix a vertex of every piece."
+            f"loads.fixed holds {pieces - len(missing)} of the {pieces} pieces of the sheet, and "
+            f"no vertex of the piece in [{box}] mm of the flat sheet: it would fall. Hold every "
+            "piece somewhere: a region x,y,x,y may be within one."
         )
 
 

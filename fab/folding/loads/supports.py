@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from fab.errors import InvalidJob
+from fab.geometry.rings import is_hole
 from fab.pattern.crease_pattern import CreasePattern
+from fab.pattern.outlines import SAME_PLACE_MM, outlines_of
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["chosen_vertices"]
@@ -18,6 +21,10 @@ _LEVEL = 1e-3
 _ROUNDING = 1e-9
 # The corners at both ends of each edge: left bottom, right bottom, right top, left top.
 _EDGES = {"bottom edge": 0, "right edge": 1, "top edge": 2, "left edge": 3}
+# The axis along which each edge is outermost, and in which direction.
+_SIDES = {"bottom edge": (1, -1), "right edge": (0, 1), "top edge": (1, 1), "left edge": (0, -1)}
+# Outlines reach as far as the outermost within this share of the sheet.
+_SAME_SIDE = 1e-6
 
 
 def chosen_vertices(
@@ -29,6 +36,9 @@ def chosen_vertices(
     key: str,
 ) -> BoolArray:
     """Which vertices of a sheet are among some choices (`fab.folding.loads.load_settings`).
+
+    Edges, corners and border are those of the whole flat sheet: neither cuts within it nor holes
+    are among them. Where a chosen vertex is on a cut, those on both sides of it are chosen.
 
     Parameters
     ----------
@@ -75,49 +85,47 @@ def _named(pattern: CreasePattern, folded: FloatArray, down: FloatArray, name: s
     if name in ("lowest", "highest"):
         height = -(folded @ down) if name == "lowest" else folded @ down
         return np.asarray(height <= height.min() + _LEVEL * np.ptp(folded, axis=0).max())
-    out = np.zeros(len(folded), bool)
+    flat = pattern.vertices_coords
+    rings = [ring for ring in outlines_of(pattern).rings if not is_hole(ring)]
+    if not rings:
+        raise InvalidJob(
+            f"the flat sheet is smaller than {SAME_PLACE_MM:g} mm, where outlines end: a {name} is "
+            "not found. Make it larger, or name vertices by their numbers."
+        )
     if name == "border":
-        border = pattern.edges_faces[:, 1] < 0
-        out[pattern.edges_vertices[border].ravel()] = True
-        return out
-    for ring in _outer_rings(pattern):
-        places = _corner_places(pattern.vertices_coords[ring])
-        if name == "corners":
-            out[ring[places]] = True
-        else:
-            begin, end = places[_EDGES[name]], places[(_EDGES[name] + 1) % 4]
-            count = (end - begin) % len(ring)
-            out[ring[(begin + np.arange(count + 1)) % len(ring)]] = True
-    return out
-
-
-def _outer_rings(pattern: CreasePattern) -> list[IntArray]:
-    """Vertices around each piece of the sheet, counterclockwise, the longest ring of each."""
-    border = np.flatnonzero(pattern.edges_faces[:, 1] < 0)
-    after: dict[int, list[tuple[int, int]]] = {}
-    for (start, end), face in zip(
-        pattern.edges_vertices[border].tolist(),
-        pattern.edges_faces[border, 0].tolist(),
-        strict=True,
-    ):
-        after.setdefault(start, []).append((end, face))
-    longest: dict[int, tuple[float, list[int]]] = {}
-    for first in sorted(after):
-        while after[first]:
-            ring, vertex, piece = [], first, 0
-            while after[vertex]:
-                ring.append(vertex)
-                vertex, face = after[vertex].pop(0)
-                piece = int(pattern.faces_piece[face])
-            extent = float(np.ptp(pattern.vertices_coords[ring], axis=0).sum())
-            if extent > longest.get(piece, (-1.0, []))[0]:
-                longest[piece] = (extent, ring)
-    return [np.array(ring) for _, (_, ring) in sorted(longest.items())]
-
-
-def _corner_places(flat: FloatArray) -> IntArray:
-    """Places on a ring that are nearest to the corners of its box, counterclockwise."""
+        return _at_places(flat, np.concatenate(rings))
     low, high = flat.min(axis=0), flat.max(axis=0)
+    if name == "corners":
+        outline = np.concatenate(rings)
+        return _at_places(flat, outline[_corner_places(outline, low, high)])
+    # of several outlines, those that reach the side of the whole sheet
+    axis, end = _SIDES[name]
+    reach = [float(end * (end * ring[:, axis]).max()) for ring in rings]
+    outermost = end * max(end * value for value in reach)
+    near = _SAME_SIDE * float(np.ptp(flat, axis=0).max())
+    found = np.zeros(len(flat), bool)
+    for ring, value in zip(rings, reach, strict=True):
+        if abs(value - outermost) <= near:
+            found |= _at_places(flat, _side(ring, name))
+    return found
+
+
+def _side(ring: FloatArray, name: str) -> FloatArray:
+    """Points of a ring between two corners of its box."""
+    places = _corner_places(ring, ring.min(axis=0), ring.max(axis=0))
+    begin, end = places[_EDGES[name]], places[(_EDGES[name] + 1) % 4]
+    side: FloatArray = ring[(begin + np.arange((end - begin) % len(ring) + 1)) % len(ring)]
+    return side
+
+
+def _at_places(flat: FloatArray, places: FloatArray) -> BoolArray:
+    """Which vertices are at some places: at cuts there are several at one."""
+    distance, _ = cKDTree(places).query(flat, distance_upper_bound=2 * SAME_PLACE_MM)
+    return np.asarray(np.isfinite(distance), bool)
+
+
+def _corner_places(points: FloatArray, low: FloatArray, high: FloatArray) -> IntArray:
+    """Numbers of the points that are nearest to the corners of a box, counterclockwise."""
     corners = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-    distance = np.hypot(*(flat[:, None] - corners).transpose(2, 0, 1))
+    distance = np.hypot(*(points[:, None] - corners).transpose(2, 0, 1))
     return np.asarray(distance.argmin(axis=0), np.int64)
