@@ -59,7 +59,9 @@ def largest_bend(folding: Folding) -> Bend:
     """That of all states of a fold."""
     frame = folding.frame
     strained = max(folding.states, key=lambda state: state.strain_max)
-    as_paper = len(frame.hinges_edge) <= _MOST_HINGES and strained.strain_max > _STRAINED
+    few = len(frame.hinges_edge) <= _MOST_HINGES
+    # without contact, what is pressed would slip through its faces and come to rest elsewhere
+    as_paper = few and strained.strain_max > _STRAINED and folding.stopped is None
     states: Sequence[FoldState] = folding.states
     coords = [state.coords for state in states]
     energy = max(state.energy.total for state in states)

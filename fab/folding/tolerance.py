@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solver.errors import require_positive
+from solver.vectors import FloatArray
 
 __all__ = ["Tolerance"]
 
@@ -19,6 +20,13 @@ _CLOSURE_PER_DEG = 1e-2
 # by about as much. For h from 1e-6 to 1e-4, angles of a bird base by 2.7 sqrt(h) and its strain by
 # 0.34 sqrt(h); those of a maze, whose creases hold more layers, by 4.9 and 0.89.
 _LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 5.0, 1.0, 1.0
+# A thickness of the order of the panels is no small distance: beyond these it keeps creases,
+# lengths and the shape from their target, and the sheet is stopped. Creases that fold all the way
+# open most, where layers lie between their sides: those of a Miura with acute angles of 70 degrees
+# by 13.3 degrees at a thickness of 1/13 of its sides. Others do not close on layers: they are off
+# as far as the law was seen to hold, up to h = 1e-4, and so are strains.
+_FLAT_FOLDED_DEG, _MOST_DEG, _MOST_SHAPE = 165.0, 15.0, 0.1
+_MOST_OTHER_REL = 1e-4
 
 
 @dataclass(frozen=True)
@@ -43,12 +51,23 @@ class Tolerance:
     @property
     def shape_rel(self) -> float:
         """Of the shape, relative to its diagonal; 1e-4 by default."""
-        return _PER_DEG * self.angle_deg + _LAYERS_SHAPE * float(np.sqrt(self.layers_rel))
+        room = min(_LAYERS_SHAPE * float(np.sqrt(self.layers_rel)), _MOST_SHAPE)
+        return _PER_DEG * self.angle_deg + room
 
     @property
     def crease_deg(self) -> float:
-        """Of a crease's angle, with the room that layers in contact take."""
-        return self.angle_deg + float(np.degrees(_LAYERS_RAD * np.sqrt(self.layers_rel)))
+        """Of the angle of a crease that is nearly flat-folded, with the room that layers take."""
+        room = float(np.degrees(_LAYERS_RAD * np.sqrt(self.layers_rel)))
+        return self.angle_deg + min(room, _MOST_DEG)
+
+    def creases_deg(self, target_deg: FloatArray) -> FloatArray:
+        """Of the angles of creases with these targets, shape (n,): less for those not nearly flat.
+
+        `crease_deg` for creases that fold by 165 degrees or more.
+        """
+        other = self.with_layers(min(self.layers_rel, _MOST_OTHER_REL))
+        flat = np.abs(target_deg) >= _FLAT_FOLDED_DEG
+        return np.where(flat, self.crease_deg, other.crease_deg)
 
     def with_layers(self, layers_rel: float) -> Tolerance:
         """The same for a sheet whose layers are layers_rel apart."""
@@ -57,7 +76,8 @@ class Tolerance:
     @property
     def strain(self) -> float:
         """Of lengths, relative; 1e-4 by default."""
-        return _PER_DEG * self.angle_deg + _LAYERS_STRAIN * float(np.sqrt(self.layers_rel))
+        layers = min(self.layers_rel, _MOST_OTHER_REL)
+        return _PER_DEG * self.angle_deg + _LAYERS_STRAIN * float(np.sqrt(layers))
 
     @property
     def closure_rad(self) -> float:

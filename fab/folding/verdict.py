@@ -66,7 +66,8 @@ class Verdict:
     strain_mean, strain_max : absolute, of all bars, at the end.
     facet_bending_max_deg : largest angle by which a face is bent, at the end.
     wrong_creases : edges that end on the wrong side of flat.
-    off_creases : edges whose angle is off by over the tolerance, 0.1 degrees, worst first.
+    off_creases : edges whose angle is off by over the tolerance, 0.1 degrees and the room that
+        layers in contact take, worst first.
     angle_error_max_deg : largest error of an angle.
     closure_max_rad : largest angle by which the rotations around a vertex or hole miss the
         identity.
@@ -139,9 +140,10 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
     folds = np.abs(target_deg) > FLAT_ANGLE_DEG
     wrong = creases[folds & (np.sign(target_deg + off_deg) != np.sign(target_deg))]
     worst = float(np.abs(off_deg).max(initial=0.0))
+    within = np.abs(off_deg) <= allowed.creases_deg(target_deg)
     rmsd = distance_rel(frame, last.coords, target_form(frame, tolerance))
     peak = max(folding.states, key=lambda state: state.strain_peak)
-    reached = worst <= allowed.crease_deg and last.strain_max <= allowed.strain
+    reached = bool(within.all()) and last.strain_max <= allowed.strain
     reached = reached and (rmsd or 0.0) <= allowed.shape_rel
     open_vertices = _worst_first(kinematics.vertices_closure_rad, tolerance.closure_rad)
     return Verdict(
@@ -151,7 +153,9 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
         last.strain_max,
         _facet_bending_deg(frame, last.coords),
         _numbers(sheet.edges_source[wrong]),
-        _numbers(sheet.edges_source[creases[_worst_first(np.abs(off_deg), allowed.crease_deg)]]),
+        _numbers(
+            sheet.edges_source[creases[_worst_first(np.where(within, 0.0, np.abs(off_deg)), 0.0)]]
+        ),
         worst,
         max(kinematics.closure_max_rad, kinematics.gap_rad),
         _numbers(sheet.vertices_source[open_vertices]),
@@ -207,7 +211,8 @@ def _target_not_reached(
     text = (
         "the sheet does not fold to its target: "
         f"{counted(len(verdict.wrong_creases), 'crease')} on the wrong side, "
-        f"{len(verdict.off_creases)} off by over {tolerance.angle_deg:g} degrees (at most "
+        f"{len(verdict.off_creases)} off by over {tolerance.angle_deg:g} degrees"
+        f"{' and the room of layers' if verdict.layers_rel else ''} (at most "
         f"{verdict.angle_error_max_deg:.3g}), strain up to {verdict.strain_max:.2%}"
     )
     if verdict.rmsd_rel is not None:

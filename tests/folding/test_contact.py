@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fab import read_pattern
 from fab.folding.bar_hinge_model import framework
+from fab.folding.bending import largest_bend
 from fab.folding.contact import contact_fold, past_contact
 from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slope
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
@@ -19,6 +20,7 @@ from fab.folding.contact.surface import surface_of
 from fab.folding.fold_settings import FoldSettings, Stiffness
 from fab.folding.quasi_static import fold
 from fab.folding.simulation import fold_and_judge
+from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import judge
 from fab.pattern.crease_pattern import CreasePattern
 from solver.self_intersection import crossing_faces
@@ -323,6 +325,35 @@ def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
     _, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=False))
     assert verdict.stopped is None
     assert "stopped-by-contact" not in [each.code for each in findings]
+
+
+def test_a_thickness_of_the_order_of_the_panels_stops_a_sheet():
+    pattern = folded_strip([10.0] * 3, [-180.0, 180.0], width=10.0)
+    for thickness_mm, closes in ((0.1, True), (1.0, True), (3.0, False), (25.0, False)):
+        given = FoldSettings(contact=True, thickness_mm=thickness_mm)
+        folding, verdict, findings = fold_and_judge(pattern, given)
+        assert verdict.reached == closes
+        assert (verdict.stopped is None) == closes
+        assert len(verdict.off_creases) == (0 if closes else 2)
+        assert_nothing_crosses(folding)
+        stops = [each.text for each in findings if each.code == "stopped-by-contact"]
+        assert len(stops) == (not closes)
+        for text in stops:
+            assert f"The sheet is {thickness_mm:g} mm thick" in text
+            assert "lower thickness_mm" in text
+    # what is pressed is strained, and no sheet is said to bear less
+    assert largest_bend(folding).strain == pytest.approx(verdict.strain_max)
+    assert verdict.strain_max > 0.01
+
+
+def test_layers_make_room_for_creases_that_are_nearly_flat_folded_alone():
+    thick = Tolerance().with_layers(0.5)
+    target = np.array([180.0, -170.0, 90.0, 0.0])
+    np.testing.assert_allclose(thick.creases_deg(target)[:2], 15.1)
+    assert thick.creases_deg(target)[2:].max() < 4
+    assert thick.strain < 0.02
+    assert thick.shape_rel < 0.11
+    assert (Tolerance().creases_deg(target) == 0.1).all()
 
 
 def test_flaps_that_are_in_each_others_way_fold_one_after_the_other():

@@ -139,8 +139,7 @@ def fold_in_contact(
     progress(loads, loads)
     held = pressing is not None
     folding = Folding(frame, reached.states, in_turn, None, course.room if held else 0.0)
-    allowed = np.radians(Tolerance(layers_rel=course.room).crease_deg)
-    if pressing is None or course.lag(reached.state) <= allowed:
+    if pressing is None or (reached.state.settled and course.closed(reached.state)):
         return folding
     watch = course.counted(partial(watched, progress, loads, loads))
     return replace(folding, stopped=course.stop(*pressing, watch))
@@ -315,6 +314,14 @@ class _Course:
         """By how much the crease that is farthest behind is off its angle, radians."""
         target, _ = path_at(self._path, state.load)
         return float(np.abs(self._off(state.coords, target)).max(initial=0.0))
+
+    def closed(self, state: FoldState) -> bool:
+        """Whether all creases are at their angles, but for the room that layers take."""
+        target, _ = path_at(self._path, state.load)
+        creases = (self._frame.hinges_edge >= 0)[self._driven]
+        off = np.degrees(np.abs(self._off(state.coords, target)))
+        allowed = Tolerance(layers_rel=self.room).creases_deg(np.degrees(target[self._driven]))
+        return bool((off <= allowed)[creases].all())
 
     def _off(self, coords: FloatArray, target: FloatArray) -> FloatArray:
         return (self._frame.angles_near(coords, target) - target)[self._driven]

@@ -156,6 +156,11 @@ def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
         text += f"{counted(stop.orders, 'order')} of folding were tried, and none gets there."
     else:
         text += "all creases fold at once, no other order was tried."
+    if settings.thickness_mm > 0:
+        text += (
+            f" The sheet is {settings.thickness_mm:g} mm thick, and its layers take that room: try "
+            "a lower thickness_mm."
+        )
     if reached and not settings.contact:
         text += " What is shown passes through itself; --contact shows where the sheet stops."
     severity = Severity.ERROR if settings.contact else Severity.WARNING
