@@ -55,7 +55,8 @@ FOLDING = (
         (WARNING,),
         "The order of layers in the file (faceOrders) is none that a sheet can have.",
         "It contradicts the letters of creases, or faces would pass through each other.",
-        "Nothing: another order is taken. Write the file again to have that in it.",
+        "Nothing: they are left out, and a folded form is given another order. The FOLD file that "
+        "`simulate` writes has it.",
     ),
     Explanation(
         "face-orders-unknown",

@@ -14,7 +14,7 @@ from fab.formats.oripa.cp import cp_bytes, lost_in_cp
 from fab.formats.pattern_file import PatternFile
 from fab.formats.svg.writer import simulator_svg_bytes
 from fab.layers.layer_findings import inspect_layers
-from fab.layers.layer_orders import layer_orders
+from fab.layers.layer_orders import FoldsFlat, layer_orders
 from fab.outputs import Made, plain_title
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.inspection import inspect_closure
@@ -71,16 +71,23 @@ def convert(read: PatternFile, target: Path) -> Made:
 def _orders(read: PatternFile) -> tuple[IntArray | None, list[Finding]]:
     """Rows of faceOrders, of all faces that overlap where the sheet is folded flat, and findings.
 
-    Those of the file where its folded form has other angles than 180 degrees; None where the order
-    is not known.
+    Those of the file where other angles than 180 degrees or undecided layers leave them unjudged,
+    and where there is no folded form and a sheet can have them; None where no order is known.
     """
     pattern = read.pattern
-    if pattern.folded_coords is None:
+    given = read.face_orders if len(read.face_orders) else None
+    has_form = pattern.folded_coords is not None
+    if not has_form and given is None:
         return None, []
-    layers = layer_orders(pattern, read.face_orders, _LAYERS_S)
+    layers = layer_orders(pattern, given, _LAYERS_S)
     if layers is None:
-        return (read.face_orders if len(read.face_orders) else None), []
-    return (layers.orders if len(layers.orders) else None), inspect_layers(layers)
+        return given, []
+    found = inspect_layers(layers)
+    if layers.folds_flat is FoldsFlat.UNDECIDED:
+        return given, found
+    if not has_form:
+        return (None if found else given), found  # rows of 0 say nothing that could be wrong
+    return (layers.orders if len(layers.orders) else None), found
 
 
 def _obj_sheet(pattern: CreasePattern, target: Path, title: str) -> dict[str, bytes]:

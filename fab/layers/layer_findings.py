@@ -24,7 +24,7 @@ def inspect_layers(layers: LayerOrders | None) -> list[Finding]:
         of = f" of {named(layers.given_faces)}" if layers.given_faces else ""
         text = (
             f"the faceOrders of the file{of} contradict each other or the letters of creases, so "
-            "that a sheet would pass through itself: another order of its layers is taken."
+            "that a sheet would pass through itself: they are left out."
         )
         panels = first_few(layers.given_faces)
         return [Finding("face-orders-contradict", Severity.WARNING, text, panels=panels)]

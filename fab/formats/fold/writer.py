@@ -31,7 +31,7 @@ def fold_bytes(
     states : titles and points (nv, 3), mm, each with the fold angles that it has (cuts have none).
         Raises `InvalidValue` for points that do not fit, or faces without area.
     orders : rows of faceOrders of the folded form, shape (n, 3), of all faces that overlap; where
-        left out, those that `face_orders` knows.
+        left out, those that `face_orders` knows. Without a folded form the sheet has them.
 
     Coordinates are written with all digits, so that reading gives the same arrays back. A folded
     form in a plane has `faceOrders`. Where rims of several sheets meet, vertices that are glued
@@ -56,6 +56,8 @@ def fold_bytes(
         "faces_vertices": [corners[i:j] for i, j in pairwise(bounds)],
     }
     meeting = meeting_rims(pattern)
+    if pattern.folded_coords is None and orders is not None and len(orders):
+        document["faceOrders"] = orders.tolist()
     if meeting is not None:
         document[SEAM_KEY] = meeting.vertices_seam(len(flat)).tolist()
     frames = []

@@ -9,6 +9,7 @@ from fab.formats.fold.reader import read_fold
 from fab.formats.fold.writer import fold_bytes
 from fab.jobs.conversion import convert
 from fab.layers.layer_orders import layer_orders
+from fab.outputs import write
 from fab.pattern.kinematics import fold_by_angles
 
 
@@ -45,6 +46,50 @@ def test_a_file_with_a_few_orders_gets_them_all_and_keeps_its_own(tmp_path):
         assert len(frame["faceOrders"]) == 3
         contradicts = {finding.code for finding in made.findings} == {"face-orders-contradict"}
         assert ([0, 2, side] in frame["faceOrders"]) != contradicts
+
+
+def flat_file(tmp_path, letters, orders, lengths=(3, 3, 3)):
+    """A FOLD file of a strip without a folded form, with orders of its faces."""
+    path = tmp_path / "strip.fold"
+    document = json.loads(fold_bytes(strip(lengths, letters), "strip"))
+    path.write_text(json.dumps({**document, "faceOrders": orders}))
+    return path
+
+
+def converted(path):
+    """The faceOrders of a file that is converted, and the codes of what is told."""
+    made = convert(read_fold(path), path.parent / "out.fold")
+    write(made, path.parent)
+    document = json.loads(made.files["out.fold"])
+    assert "file_frames" not in document
+    return document.get("faceOrders"), {finding.code for finding in made.findings}
+
+
+@pytest.mark.parametrize(
+    ("orders", "codes"),
+    [
+        ([[0, 1, 1], [1, 2, 1], [0, 2, 1]], {"face-orders-contradict"}),
+        ([[0, 1, -1], [1, 2, 1]], set()),
+        ([[0, 2, 0]], set()),
+        ([[0, 1, -1], [1, 2, 1], [0, 2, 1]], set()),
+    ],
+)
+def test_orders_without_a_folded_form_are_kept_or_told(tmp_path, orders, codes):
+    """A mountain and a valley: the first face is over the second, which is over the third."""
+    path = flat_file(tmp_path, "MV", orders)
+    assert converted(path) == (None if codes else orders, codes)
+    assert read_fold(tmp_path / "out.fold").face_orders.tolist() == ([] if codes else orders)
+
+
+def test_orders_of_a_sheet_that_cannot_lie_flat_are_told(tmp_path):
+    path = flat_file(tmp_path, "VV", [[0, 1, 1]], (30, 10, 30))
+    assert converted(path) == (None, {"cannot-lie-flat"})
+
+
+def test_orders_that_are_not_judged_in_time_are_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr("fab.jobs.conversion._LAYERS_S", 0.0)
+    path = flat_file(tmp_path, "MV", [[0, 1, -1]])
+    assert converted(path) == ([[0, 1, -1]], {"layers-undecided"})
 
 
 def test_faces_that_run_clockwise_in_the_file_have_their_orders_turned(tmp_path):
