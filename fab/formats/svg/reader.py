@@ -27,6 +27,7 @@ from fab.formats.strictness import with_lost
 from fab.formats.svg.lengths import require_lengths
 from fab.formats.svg.safe_xml import Document, read_xml
 from fab.formats.svg.styles import local_name
+from fab.formats.svg.thin_fills import outlines_of_strokes
 from fab.formats.svg.tree import Drawing, Shape, drawing_of
 from fab.formats.svg.viewports import PX_MM, Page, page_of
 from fab.formats.units import unit_named, unit_unknown
@@ -60,7 +61,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     `options.mm_per_unit` gives the size; without it they are those of the program that wrote the
     file: 1/72 inch for Adobe Illustrator, 1/90 for Inkscape before 0.92, else 1/96.
 
-    Raises `InvalidFile` for files that are not SVG, without a line, with images alone, with more
+    Raises `InvalidFile` for files that are not SVG, without a line, with images alone, with strokes
+    as filled outlines alone, with more
     than a million lines or coordinates beyond 1e9, with lengths that are none, and all that
     `read_xml` refuses.
     """
@@ -83,6 +85,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
             off_by = finest
             drawing = drawing_of(path, root, page, off_by, options.colours)
     taken, as_outlines = _chosen(path, drawing)
+    if as_outlines:
+        _require_no_outlines_of_strokes(path, taken, mm_per_unit)
     bent = tuple([len(run) > 2 for run in shape.drawn.runs] == [True] for shape in taken)
     coords, element, letters, angles = _lines(path, taken)
     findings = _unit_findings(page, options, px_mm, of_program)
@@ -217,6 +221,23 @@ def _chosen(path: Path, drawing: Drawing) -> tuple[list[Shape], bool]:
             "with a stroke.",
             _fault_findings(drawing),
         )
+    )
+
+
+def _require_no_outlines_of_strokes(path: Path, shapes: list[Shape], mm_per_unit: float) -> None:
+    """Raise `InvalidFile` where filled shapes are drawn lines: each side would become a line."""
+    require_few_lines(path, sum(len(run) - 1 for shape in shapes for run in shape.drawn.runs))
+    found = outlines_of_strokes(shapes, _diagonal(shapes))
+    if not found:
+        return
+    first, width = found[0]
+    which = (
+        "is a filled shape" if len(found) == 1 else f"and {len(found) - 1} more are filled shapes"
+    )
+    raise InvalidFile(
+        f"{path}: nothing in the drawing has a stroke, and {first.name} {which} as thin as a drawn "
+        f"line, {width * mm_per_unit:.2g} mm: each of its two sides would be a line of the "
+        'pattern. Undo "stroke to path" or "outline stroke", or draw the lines with a stroke.'
     )
 
 

@@ -271,6 +271,56 @@ def test_outlines_of_fills_are_taken_where_nothing_has_a_stroke():
     assert "1 filled shape" in text_of(soup, "outline-of-fill")
 
 
+FRAME = '<path d="M0 0H100V100H0Z M.3.3V99.7H99.7V.3Z"/>'
+CREASE = '<path fill="#a00" d="M49.9.3V99.7H50.1V.3Z"/>'
+DASHES = " ".join(f"M30 {y}v2h.3v-2z" for y in range(0, 100, 4))
+
+
+@pytest.mark.parametrize(
+    ("inside", "first", "width"),
+    [
+        (FRAME, "path 1 is a filled shape", "0.3 mm"),
+        (FRAME.replace("V99.7H99.7V.3Z", "H99.7V99.7H.3Z"), "path 1 is", "0.3 mm"),
+        (f"{FRAME}{CREASE}", "path 1 and 1 more are filled shapes", "0.3 mm"),
+        (f'<rect width="100" height="100"/>{CREASE}', "path 1 is", "0.2 mm"),
+        (f'<rect width="100" height="100"/><path fill="red" d="{DASHES}"/>', "path 1 is", "0.26"),
+        ('<rect width="50" height="0.4" fill="blue" transform="rotate(9)"/>', "rect 1 is", "0.4"),
+        ('<polygon points="0,0 90,60 90.2,60 .2,0"/>', "polygon 1 is", "0.1"),
+        (f'{FRAME}<circle cx="20" cy="20" r="3"/>', "path 1 is", "0.3 mm"),
+    ],
+)
+def test_outlines_of_strokes_are_refused(inside, first, width, tmp_path):
+    with pytest.raises(InvalidFile) as error:
+        drawn(tmp_path, inside)
+    for words in (first, width, "drawing.svg", "stroke to path"):
+        assert words in str(error.value)
+
+
+SQUARES = "M0 0H40V40H0Z M60 0V40H100V0Z"
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        f'{FRAME}{CREASE}<path d="M5 5H50" stroke="red"/>',
+        '<rect width="100" height="100"/><rect x="20" y="30" width="60" height="0.5"/>',
+        '<rect width="100" height="100"/><path fill="red" d="M50 0V100"/>',
+        f'<path d="{SQUARES}"/>',
+        '<path d="M0 0L100 100V0L0 100Z"/>',
+        "".join(
+            f'<rect x="{x}" y="{y}" width="1" height="1" fill="red"/>'
+            for x in range(0, 100, 9)
+            for y in range(0, 100, 9)
+        ),
+        '<rect width="100" height="9"/>',
+        '<path d="M0 0Q50 1 100 0"/>',
+    ],
+)
+def test_other_fills_are_no_outlines_of_strokes(inside, tmp_path):
+    soup = drawn(tmp_path, inside)
+    assert ("outline-of-fill" in codes(soup)) is ("stroke" not in inside)
+
+
 def test_exploded_dashes_are_joined_and_cuts_are_not():
     soup = read_svg(HERE / "exploded_dashes.svg", ReadOptions())
     found = {letter: soup.lines_coords[soup.lines_assignment == letter] for letter in "MVC"}
