@@ -22,7 +22,8 @@ _OPTIONS = (
         metavar="WHERE",
         help='Hold the folded sheet there, and load it: "left edge", "right edge", "top edge", '
         '"bottom edge", "corners" or "border" of the flat sheet, "lowest" or "highest" of the '
-        "folded one, the number of a vertex, or a region of the flat sheet as X,Y,X,Y in mm.",
+        "folded one, the number of a vertex, or a region of the flat sheet as X,Y,X,Y in mm. An "
+        "edge or a vertex that is held may turn, as on a hinge: hold a region to clamp it.",
     ),
     click.option(
         "--weight/--no-weight", default=None, help="Whether its own weight loads it (default: yes)."

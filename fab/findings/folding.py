@@ -193,6 +193,15 @@ FOLDING = (
         "Fix more vertices, take more load_steps, or less load.",
     ),
     Explanation(
+        "swings-about-support",
+        (NOTE,),
+        "What holds the sheet, or a piece of it, is on one straight line or in one point.",
+        "An edge or a vertex that is held may turn as on a hinge: nothing but the load keeps the "
+        "sheet from swinging about it.",
+        "Hold a region to clamp it (--fix X,Y,X,Y), or hold it elsewhere too; nothing where it is "
+        "meant to hang.",
+    ),
+    Explanation(
         "strained-by-loads",
         (WARNING,),
         "Under its load the sheet is strained by more than its material bears.",

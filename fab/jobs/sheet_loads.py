@@ -18,7 +18,7 @@ from fab.pattern.face_poses import nearest_motions
 from fab.progress import Progress, silent
 from fab.sheets.materials import Material, load_material
 from fab.viewing.scene_builders import folding_scene
-from solver.vectors import FloatArray, norm
+from solver.vectors import FloatArray, IntArray, norm
 
 __all__ = ["CarriedLoads", "carried_loads"]
 
@@ -114,6 +114,9 @@ class CarriedLoads:
                 f"{self.material.description} bears {bears:g}."
             )
             yield Finding("strained-by-loads", Severity.WARNING, text)
+        for piece, held in sheet.swinging:
+            text = self._swings(piece, held)
+            yield Finding("swings-about-support", Severity.NOTE, text)
         if self.guessed_creases:
             text = (
                 "the material does not say how stiff its creases are: they are taken as stiff as "
@@ -121,6 +124,26 @@ class CarriedLoads:
                 f"{sheet.plate.crease_stiffness_n:.3g} N. Give it crease_stiffness_n."
             )
             yield Finding("crease-stiffness-guessed", Severity.NOTE, text)
+
+    def _swings(self, piece: IntArray, held: IntArray) -> str:
+        """That a piece of the sheet can swing about what holds it, and how to clamp it."""
+        frame = self.sheet.frame
+        flat = frame.sheet.pattern.vertices_coords
+        what = "the sheet"
+        if len(piece) < len(np.unique(frame.triangles_vertices)):
+            what = f"the piece in [{_box(flat[piece])}] mm of the flat sheet"
+        beside = np.isin(frame.triangles_vertices, held).any(axis=1)
+        row = flat[np.unique(frame.triangles_vertices[beside])]
+        small = np.ptp(row, axis=0).prod() < np.ptp(flat[piece], axis=0).prod() / 2
+        first, last = (f"({x:.4g}, {y:.4g})" for x, y in _ends(flat[held]))
+        if first == last:
+            where = f"at one point only, {first} mm"
+        else:
+            where = f"along one straight line only, from {first} to {last} mm"
+        return (
+            f"{what} is held {where} of the flat sheet: it can swing about it as on a hinge. To "
+            f"clamp it, hold a region{f', such as --fix {_box(row)}' if small else ' x,y,x,y'}."
+        )
 
     def states_mm(self, coords: FloatArray) -> list[tuple[str, FloatArray]]:
         """States under load of the sheet's own vertices, moved to where the fold has the sheet.
@@ -191,6 +214,19 @@ def carried_loads(
     coords = folding_scene(folding, name, upright=upright).states_coords[-1]
     loaded = load_sheet(folding.frame, coords, plate, settings, partial(progress, "load"))
     return CarriedLoads(name, sheet, loaded, guessed and _has_creases(loaded))
+
+
+def _ends(points: FloatArray) -> FloatArray:
+    """The first point of some on a line, and the last."""
+    first = points[np.lexsort(points.T[::-1])[0]]
+    return np.stack([first, points[norm(points - first).argmax()]])
+
+
+def _box(points: FloatArray) -> str:
+    """The region of the flat sheet around points, x,y,x,y, rounded outwards to 0.001 mm."""
+    low = np.floor(np.round(1e3 * points.min(axis=0), 3)) / 1e3
+    high = np.ceil(np.round(1e3 * points.max(axis=0), 3)) / 1e3
+    return ",".join(f"{value + 0.0:.10g}" for value in (*low, *high))
 
 
 def _has_creases(sheet: LoadedSheet) -> bool:

@@ -346,6 +346,21 @@ def test_edges_and_border_are_those_of_the_whole_flat_sheet(tmp_path):
     assert held_places(pieces, "corners") == {(0, 0), (60, 0), (60, 10), (0, 10)}
 
 
+def test_a_sheet_that_is_held_on_a_line_or_in_a_point_can_swing():
+    strip = quads(8, 2, 80.0, 20.0)
+
+    def held(*choices):
+        made = loaded(strip, fixed=list(choices), down=(1.0, 0.0, 0.0))
+        return [found.tolist() for _, found in made.swinging]
+
+    assert held("left edge") == [[0, 9, 18]]
+    assert held(9) == [[9]]
+    assert held(0, 20) == [[0, 20]]
+    assert held("left edge", 1) == []
+    assert held([0.0, 0.0, 10.0, 20.0]) == []
+    assert held("border") == []
+
+
 def test_inner_slits_and_holes_are_no_border(tmp_path):
     path = tmp_path / "sheet.fold"
     outline = [(0.0, 0.0), (30.0, 0.0), (60.0, 0.0), (60.0, 40.0), (30.0, 40.0), (0.0, 40.0)]

@@ -1,6 +1,7 @@
 """Loads asked for at the command line and in jobs: files, figures, and refusals."""
 
 import json
+import re
 
 import pytest
 from click.testing import CliRunner
@@ -73,6 +74,36 @@ def test_a_sheet_that_air_lifts_is_said_to_rise_and_its_weight_is_not_named(tmp_
     assert "weight" not in loads["text"]
     assert loads["load_sum_n"] == pytest.approx([0, 0, 100 * 60e-3 * 40e-3], rel=1e-3, abs=1e-6)
     assert loads["reaction_sum_n"] == pytest.approx([-x for x in loads["load_sum_n"]], abs=1e-6)
+
+
+def test_a_held_edge_turns_and_the_region_that_the_note_names_clamps_it(tmp_path):
+    corners = [[0, 0], [60, 0], [60, 20], [0, 20]]
+    path = tmp_path / "strip.fold"
+    document = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": corners,
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
+        "edges_assignment": ["B"] * 4,
+    }
+    path.write_text(json.dumps(document))
+    sags = []
+    where = "left edge"
+    for swings in (True, False):
+        words = ["--fix", where, "--only", "fold", "--material", "card_300gsm"]
+        words += ["--out", str(tmp_path / "out")]
+        result = CliRunner().invoke(main, ["simulate", str(path), *words])
+        assert result.exit_code == 0, result.output
+        report = json.loads((tmp_path / "out" / "strip_folding.json").read_text())
+        sags.append(report["loads"]["sag_mm"])
+        notes = [each for each in report["findings"] if each["code"] == "swings-about-support"]
+        assert bool(notes) == swings
+        if notes:
+            assert notes[0]["severity"] == "note"
+            assert "from (0, 0) to (0, 20) mm" in notes[0]["text"]
+            where = re.search(r"--fix ([\d.,]*\d)\.$", notes[0]["text"])[1]
+    assert sags[0] > 30
+    assert sags[1] < 3
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ AtVertices = Annotated[
         description="vertices by number; a region of the flat sheet, [x from, y from, x to, y to] "
         'in mm; or "left edge", "right edge", "top edge", "bottom edge" of the flat sheet, its '
         '"corners" or its "border", without holes and slits; "lowest" or "highest" of '
-        "the folded sheet",
+        "the folded sheet. Edges and vertices that are held may turn; a region is clamped",
     ),
 ]
 

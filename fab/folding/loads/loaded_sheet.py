@@ -43,6 +43,8 @@ _ROUNDS, _FOLLOWED = 30, 1e-6
 _BALANCED = 1e-4
 # It sags or rises where the motion up or down is at least this share of the motion.
 _MOSTLY = 0.5
+# Held vertices within this share of the sheet of a line are on it.
+_STRAIGHT = 1e-6
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,26 @@ class LoadedSheet:
         if -along[high] > along[low]:
             return "rises", -float(along[high]), high
         return "sags", float(along[low]), low
+
+    @property
+    def swinging(self) -> list[tuple[IntArray, IntArray]]:
+        """Pieces that can swing: what holds them is on one straight line, or in one point.
+
+        Of each all its vertices, and those that are held.
+        """
+        coords = self.states[0].coords
+        near = _STRAIGHT * self.frame.size_mm
+        component = self.frame.component
+        used = np.unique(self.frame.triangles_vertices)
+        out = []
+        for piece in np.unique(component[used]):
+            inside = used[component[used] == piece]
+            held = inside[self.fixed[inside]]
+            off = coords[held] - coords[held].mean(axis=0)
+            *_, axes = np.linalg.svd(off, full_matrices=False)
+            if norm(off - np.outer(off @ axes[0], axes[0])).max() <= near:
+                out.append((inside, held))
+        return out
 
     @property
     def outer_strain_max(self) -> float:
