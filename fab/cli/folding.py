@@ -66,13 +66,15 @@ __all__ = ["animate", "simulate"]
 @click.option(
     "--contact/--no-contact",
     default=None,
-    help="Faces stop each other, or pass through each other (default: stop, where they would).",
+    help="Faces stop each other, or pass through each other (default: stop, with --thickness-mm or "
+    "where they would).",
 )
 @click.option(
     "--thickness-mm",
     default=None,
     type=click.FloatRange(0, 1000),
-    help="Of the sheet, which keeps touching layers apart (default: 0).",
+    help="Of the sheet, which keeps touching layers apart; over 0 faces stop each other (default: "
+    "0).",
 )
 @click.option(
     "--material",

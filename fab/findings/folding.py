@@ -105,6 +105,14 @@ FOLDING = (
         "change the pattern.",
     ),
     Explanation(
+        "thickness-not-used",
+        (NOTE,),
+        "A thickness is given, but the sheet is folded without contact.",
+        "simulation.thickness_mm keeps layers apart in contact alone: with contact = false, or by "
+        "another solver than the quasi-static one, it says nothing.",
+        "Leave out contact = false (--no-contact) and --solver, or the thickness.",
+    ),
+    Explanation(
         "folded-in-contact",
         (NOTE,),
         "The sheet is folded so that its faces do not pass through each other.",

@@ -30,14 +30,21 @@ class FoldSettings(Stiffness):
     steps: int = Field(default=10, ge=1, le=10_000, description="equal steps of the load")
     contact: bool | None = Field(
         default=None,
-        description="whether faces stop each other; left out, where they cross in a fold without",
+        description="whether faces stop each other; left out, where a thickness is given, or they "
+        "cross in a fold without",
     )
     thickness_mm: float = Field(
         default=0.0,
         ge=0,
         le=1000,
-        description="of the sheet in contact, how far the middles of layers stay apart",
+        description="of the sheet in contact, how far the middles of layers stay apart; over 0 it "
+        "switches contact on, where contact is left out",
     )
     loads: LoadSettings | None = Field(
         default=None, description="what the folded sheet carries; nothing where left out"
     )
+
+    @property
+    def in_contact(self) -> bool | None:
+        """Whether faces stop each other, as a given thickness wants; None where both are open."""
+        return True if self.contact is None and self.thickness_mm > 0 else self.contact

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from fab.errors import Finding
+from fab.errors import Finding, Severity
 from fab.folding.bar_hinge_model import Framework, framework
 from fab.folding.contact.past_contact import fold_past_contact
 from fab.folding.dynamics import fold_dynamically
@@ -53,7 +53,7 @@ def fold_and_judge(
 
     By the first two solvers; the third is `fold_rigidly_and_judge`. A sheet that gets stuck when
     all its creases fold at once is folded again, along a folding path (up to 2,000 hinges,
-    quasi-static only). With `settings.contact`, or where it is None and faces pass through each
+    quasi-static only). With `settings.in_contact`, or where it is None and faces pass through each
     other, it is folded again in contact (`fab.folding.contact.past_contact`).
 
     pattern : in millimetres.
@@ -87,8 +87,23 @@ def fold_and_judge(
         *inspect_form(frame, tolerance),
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
         *held,
+        *_thickness_unused(settings, solver),
     ]
     return folding, verdict, findings
+
+
+def _thickness_unused(settings: FoldSettings, solver: Solver) -> list[Finding]:
+    """That a thickness is given of which a fold without contact knows nothing."""
+    if not settings.thickness_mm or (solver is Solver.QUASI_STATIC and settings.in_contact):
+        return []
+    cure = "Leave out contact = false (--no-contact)."
+    if solver is not Solver.QUASI_STATIC:
+        cure = f"The {solver} solver folds without: take the quasi-static one."
+    text = (
+        f"thickness_mm = {settings.thickness_mm:g} is not used: it keeps layers apart in contact "
+        f"alone. {cure}"
+    )
+    return [Finding("thickness-not-used", Severity.NOTE, text)]
 
 
 def _contact_wanted(settings: FoldSettings, frame: Framework, verdict: Verdict) -> bool:
@@ -96,8 +111,8 @@ def _contact_wanted(settings: FoldSettings, frame: Framework, verdict: Verdict) 
 
     By default where faces cross on the way, up to 1,000 hinges.
     """
-    if settings.contact is not None:
-        return settings.contact
+    if settings.in_contact is not None:
+        return settings.in_contact
     few = len(frame.hinges_edge) <= _MOST_HINGES_IN_CONTACT
     return few and any(point.crossings for point in verdict.path)
 
@@ -128,6 +143,7 @@ def fold_rigidly_and_judge(
         *inspect_form(frame, tolerance),
         *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
         *findings_of_fold(motion, made, fold_flat),
+        *_thickness_unused(settings, Solver.RIGID),
     ]
     return made, verdict, findings
 

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fab import read_pattern
+from fab.errors import Severity
 from fab.folding.bar_hinge_model import framework
 from fab.folding.bending import largest_bend
 from fab.folding.contact import contact_fold, past_contact
@@ -19,7 +20,7 @@ from fab.folding.contact.contact_fold import REACH_LAST, fold_in_contact
 from fab.folding.contact.surface import surface_of
 from fab.folding.fold_settings import FoldSettings, Stiffness
 from fab.folding.quasi_static import fold
-from fab.folding.simulation import fold_and_judge
+from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.tolerance import Tolerance
 from fab.folding.verdict import judge
 from fab.pattern.crease_pattern import CreasePattern
@@ -344,6 +345,29 @@ def test_a_thickness_of_the_order_of_the_panels_stops_a_sheet():
     # what is pressed is strained, and no sheet is said to bear less
     assert largest_bend(folding).strain == pytest.approx(verdict.strain_max)
     assert verdict.strain_max > 0.01
+
+
+def test_a_thickness_switches_contact_on_unless_it_is_left_out():
+    pattern = folded_strip([10.0] * 3, [-180.0, 180.0], width=10.0)
+    given = FoldSettings(thickness_mm=1.0)
+    folding, verdict, findings = fold_and_judge(pattern, given)
+    held, _, _ = fold_and_judge(pattern, given.model_copy(update={"contact": True}))
+    assert folding.states[-1].coords.tobytes() == held.states[-1].coords.tobytes()
+    assert verdict.reached
+    assert verdict.layers_rel > 0.03
+    assert "thickness-not-used" not in [each.code for each in findings]
+    _, verdict, findings = fold_and_judge(pattern, FoldSettings(thickness_mm=25.0))
+    assert not verdict.reached
+    assert ("stopped-by-contact", Severity.ERROR) in [(f.code, f.severity) for f in findings]
+    without = given.model_copy(update={"contact": False})
+    for solver in (Solver.QUASI_STATIC, Solver.DYNAMIC):
+        _, verdict, findings = fold_and_judge(pattern, without, solver)
+        assert verdict.layers_rel == 0
+        told = next(each for each in findings if each.code == "thickness-not-used")
+        assert told.severity is Severity.NOTE
+        assert "thickness_mm = 1 is not used" in told.text
+    _, _, findings = fold_and_judge(pattern, FoldSettings(contact=False))
+    assert "thickness-not-used" not in [each.code for each in findings]
 
 
 def test_layers_make_room_for_creases_that_are_nearly_flat_folded_alone():

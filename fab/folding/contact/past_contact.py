@@ -42,7 +42,7 @@ def fold_past_contact(
 
     All creases at once, then in other orders (`fold_orders`, up to 300 hinges), if the fold without
     contact reaches its target. Where none does, that of all creases at once is given with
-    `settings.contact`; else that without contact, with the stop of the other.
+    `settings.in_contact`; else that without contact, with the stop of the other.
 
     A fold that takes too much work, such as that of a long ribbon in many layers, is given up, and
     a finding says how far it came; so are further orders.
@@ -87,7 +87,7 @@ def fold_past_contact(
         return made, replace(judged, iterations=iterations), held
     stop = first.stopped and replace(first.stopped, orders=tried)
     findings = [] if stop is None else [_stopped(stop, settings, verdict.reached)]
-    if settings.contact:
+    if settings.in_contact:
         made = replace(first, stopped=stop)
         return made, replace(judge(made, tolerance), iterations=iterations), findings
     return free, replace(verdict, stopped=stop, iterations=iterations), findings
@@ -161,7 +161,7 @@ def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
             f" The sheet is {settings.thickness_mm:g} mm thick, and its layers take that room: try "
             "a lower thickness_mm."
         )
-    if reached and not settings.contact:
+    if reached and not settings.in_contact:
         text += " What is shown passes through itself; --contact shows where the sheet stops."
-    severity = Severity.ERROR if settings.contact else Severity.WARNING
+    severity = Severity.ERROR if settings.in_contact else Severity.WARNING
     return Finding("stopped-by-contact", severity, text, panels=stop.faces)
