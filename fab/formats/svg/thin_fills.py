@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from fab.formats.svg.shapes import Drawn
 from fab.formats.svg.tree import Shape
@@ -18,6 +19,8 @@ _THIN_REL = 0.01
 _SLENDER = 8.0
 # Coordinates beyond it are refused later.
 _FARTHEST = 1e9
+# Rings of one shape; their places in each other are worked out.
+_MOST_RINGS = 1_000
 _SLITS = frozenset({"B", "C"})
 
 
@@ -57,7 +60,7 @@ def _box(drawn: Drawn) -> shapely.Polygon:
 def _stroke_width(drawn: Drawn, most: float) -> float | None:
     """The mean width of a shape that is closed, slender and thinner than `most`; None for others.
 
-    A shape without area is a line.
+    A shape without area is a line, and one that crosses itself is no outline.
     """
     if not all(len(run) > 3 and run[0] == run[-1] for run in drawn.runs):
         return None
@@ -68,9 +71,19 @@ def _stroke_width(drawn: Drawn, most: float) -> float | None:
     widest = min(most, length / (2 * _SLENDER))
     if len(rings) == 1 and abs(_area(rings[0])) * 2 >= widest * length:
         return None
-    whole = shapely.make_valid(shapely.multipolygons([shapely.polygons(ring) for ring in rings]))
-    area = float(shapely.area(whole))
+    polygons = np.array([shapely.polygons(ring) for ring in rings])
+    if len(rings) > _MOST_RINGS or not shapely.is_valid(polygons).all():
+        return None
+    area = abs(_filled_area(polygons))
     return 2 * area / length if 0 < 2 * area < widest * length else None
+
+
+def _filled_area(polygons: NDArray[np.object_]) -> float:
+    """The area of rings that do not cross, each a hole in the one around it."""
+    corners = shapely.points([polygon.exterior.coords[0] for polygon in polygons])
+    _, inside = shapely.STRtree(corners).query(polygons, predicate="contains")
+    depth = np.bincount(inside, minlength=len(polygons))
+    return float(np.where(depth % 2, -1.0, 1.0) @ shapely.area(polygons))
 
 
 def _area(ring: FloatArray) -> float:

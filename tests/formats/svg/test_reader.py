@@ -321,6 +321,13 @@ def test_other_fills_are_no_outlines_of_strokes(inside, tmp_path):
     assert ("outline-of-fill" in codes(soup)) is ("stroke" not in inside)
 
 
+def test_scribbles_take_no_longer_than_other_fills(tmp_path):
+    corners = np.random.default_rng(1).uniform(0, 100, (3000, 2)).round(2)
+    path = "L".join(f"{x} {y}" for x, y in corners)
+    soup = drawn(tmp_path, f'<path d="M{path}Z M0 0H9V9Z"/>')
+    assert "outline-of-fill" in codes(soup)
+
+
 def test_exploded_dashes_are_joined_and_cuts_are_not():
     soup = read_svg(HERE / "exploded_dashes.svg", ReadOptions())
     found = {letter: soup.lines_coords[soup.lines_assignment == letter] for letter in "MVC"}
