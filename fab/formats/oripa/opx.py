@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity
+from fab.files import shortened
 from fab.formats.drawn.line_soup import LineSoup
 from fab.formats.oripa.lines import AUXILIARY, oripa_soup
 from fab.formats.read_options import ReadOptions
@@ -108,7 +109,9 @@ def _elements(path: Path) -> Iterator[Any]:
     except ParseError as error:
         raise InvalidFile(f"{path}: not an XML file: {error}. Save it in ORIPA again.") from error
     except (ValueError, LookupError) as error:  # an encoding that is unknown, or not of one byte
-        raise InvalidFile(f"{path}: not an XML file that can be decoded: {error}.") from error
+        raise InvalidFile(
+            f"{path}: not an XML file that can be decoded: {shortened(str(error))}."
+        ) from error
 
 
 def _properties(path: Path, number: int, line: Any) -> dict[str, float]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 from fab.errors import InvalidFile
+from fab.files import shortened
 from fab.formats.source_files import shown, source_bytes
 
 __all__ = ["DEEPEST", "MOST_BYTES", "MOST_ELEMENTS", "MOST_ENTITIES", "Document", "read_xml"]
@@ -74,7 +75,8 @@ def read_xml(path: Path) -> Document:
         ) from error
     except (LookupError, ValueError) as error:
         raise InvalidFile(
-            f"{path}: the encoding of the file cannot be read ({error}). Save it as UTF-8."
+            f"{path}: the encoding of the file cannot be read ({shortened(str(error))}). Save it "
+            "as UTF-8."
         ) from error
     return Document(root, comments)
 

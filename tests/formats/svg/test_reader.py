@@ -931,3 +931,11 @@ def test_lengths_that_programs_write_are_read(tmp_path, page):
     path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {page}>{hidden}{LINE}</svg>')
     soup = read_svg(path, ReadOptions())
     assert np.ptp(soup.lines_coords[..., 0]) * soup.mm_per_unit == pytest.approx(9 * PX_MM)
+
+
+def test_a_made_up_encoding_is_named_in_short(tmp_path):
+    path = tmp_path / "a.svg"
+    path.write_bytes(b'<?xml version="1.0" encoding="%s"?><svg/>' % (b"x" * 30_000))
+    with pytest.raises(InvalidFile, match="Save it as UTF-8") as refused:
+        read_svg(path, ReadOptions())
+    assert len(str(refused.value)) < len(str(path)) + 300
