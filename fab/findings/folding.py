@@ -100,7 +100,8 @@ FOLDING = (
         (WARNING, ERROR),
         "Faces press on each other and keep the sheet from its target.",
         "In every order of folding that was tried they are in each other's way. It is an error "
-        "where the stopped fold is what is shown (--contact).",
+        "where the stopped fold is what is shown (--contact, or a thickness); else a warning: an "
+        "order that was not tried may get there, as for a crane.",
         "Look at the two faces in the state that the text names: fold other creases first, or "
         "change the pattern.",
     ),

@@ -18,8 +18,10 @@ _CLOSURE_PER_DEG = 1e-2
 # moves out of its crease by x, where both sides have the angle h / x between them: what bends and
 # what stretches balance at x ~ sqrt(h), so that angles, in radians, the shape and strains are off
 # by about as much. For h from 1e-6 to 1e-4, angles of a bird base by 2.7 sqrt(h) and its strain by
-# 0.34 sqrt(h); those of a maze, whose creases hold more layers, by 4.9 and 0.89.
-_LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 5.0, 1.0, 1.0
+# 0.34 sqrt(h); those of a maze, whose creases hold more layers, by 4.9 and 0.89;
+# those of four equal panels rolled up, whose ends lie in creases, by 6.0 and 0.48, and its shape by
+# 1.4.
+_LAYERS_RAD, _LAYERS_SHAPE, _LAYERS_STRAIN = 6.5, 1.5, 1.0
 # A thickness of the order of the panels is no small distance: beyond these it keeps creases,
 # lengths and the shape from their target, and the sheet is stopped. Creases that fold all the way
 # open most, where layers lie between their sides: those of a Miura with acute angles of 70 degrees

@@ -181,7 +181,7 @@ def in_words(
     made = VerdictWords(kind, off, bend, barrier, tuple(sheets), strains)
     if kind is VerdictKind.VERTICES_OFF:
         return made
-    return replace(made, text=_text(made, motion, findings))
+    return replace(made, text=_text(made, motion, findings, reached=verdict.reached))
 
 
 def _kind(
@@ -221,7 +221,10 @@ def _vertices_off(folding: Folding, verdict: Verdict) -> str:
     )
 
 
-def _text(words: VerdictWords, motion: RigidMotion, findings: Sequence[Finding]) -> str:
+def _text(
+    words: VerdictWords, motion: RigidMotion, findings: Sequence[Finding], *, reached: bool
+) -> str:
+    """The sentence. reached : whether the fold is at its target, if only without contact."""
     match words.kind:
         case VerdictKind.MISSES:
             missed = _text_of(findings, "target-not-reached")
@@ -230,7 +233,10 @@ def _text(words: VerdictWords, motion: RigidMotion, findings: Sequence[Finding])
             text, _, _ = _text_of(findings, VerdictKind.UNORDERED).partition(". ")
             return text.removeprefix("the sheet ").rstrip(".")
         case VerdictKind.STOPPED:
-            return f"is stopped on its way: {_text_of(findings, _STOPPED).rstrip('.')}"
+            how = "is stopped on its way"
+            if reached:
+                how = "comes to its target through itself alone, as far as orders were tried"
+            return f"{how}: {_text_of(findings, _STOPPED).rstrip('.')}"
         case VerdictKind.NOTHING:
             return "nothing folds: no crease has an angle other than 0"
         case VerdictKind.RIGID if motion.verdict is RigidVerdict.FOLDS:

@@ -17,6 +17,7 @@ from fab.folding.contact.barrier import barrier, barrier_curvature, barrier_slop
 from fab.folding.contact.closest_points import segment_weights, separations, triangle_weights
 from fab.folding.contact.contact import Contact
 from fab.folding.contact.contact_fold import REACH_LAST, fold_in_contact
+from fab.folding.contact.fold_orders import fold_orders
 from fab.folding.contact.surface import surface_of
 from fab.folding.fold_settings import FoldSettings, Stiffness
 from fab.folding.quasi_static import fold
@@ -318,6 +319,8 @@ def test_where_contact_stops_a_sheet_is_told_by_default_and_shown_on_request():
     told = next(each for each in findings if each.code == "stopped-by-contact")
     assert told.panels == (0, 2)
     assert "faces 0 and 2" in told.text
+    assert told.severity is Severity.WARNING
+    assert "Another order may get there" in told.text
     shown, verdict, findings = fold_and_judge(pattern, FoldSettings(contact=True))
     assert not verdict.reached
     assert_nothing_crosses(shown)
@@ -345,6 +348,23 @@ def test_a_thickness_of_the_order_of_the_panels_stops_a_sheet():
     # what is pressed is strained, and no sheet is said to bear less
     assert largest_bend(folding).strain == pytest.approx(verdict.strain_max)
     assert verdict.strain_max > 0.01
+
+
+def test_four_equal_panels_roll_up_with_ends_in_their_creases(monkeypatch):
+    pattern = folded_strip([10.0] * 4, [-180.0] * 3, width=10.0)
+    folding, verdict, findings = fold_and_judge(pattern, FoldSettings())
+    assert verdict.reached
+    assert verdict.stopped is None
+    assert_nothing_crosses(folding)
+    assert [f.code for f in findings if "contact" in f.code] == ["folded-in-contact"]
+    # off by the root of what layers are apart: without thickness by nothing
+    path = next(fold_orders(folding.frame))
+    for reaches in ((1e-4,), (1e-4, 1e-5), (1e-4, 1e-5, 1e-6)):
+        monkeypatch.setattr(contact_fold, "_REACHES_LAST", reaches)
+        verdict = judge(fold_in_contact(folding.frame, path=path))
+        root = np.sqrt(reaches[-1])
+        assert np.radians(verdict.angle_error_max_deg) / root == pytest.approx(6.0, rel=0.02)
+        assert verdict.rmsd_rel / root == pytest.approx(1.37, rel=0.02)
 
 
 def test_a_thickness_switches_contact_on_unless_it_is_left_out():

@@ -98,7 +98,15 @@ def test_what_contact_and_layers_found_comes_first():
     assert maybe.kind is VerdictKind.RIGID
     stopped = words("stopped-by-contact", "faces 3 and 4 press on each other.", Severity.WARNING)
     assert stopped.kind is VerdictKind.STOPPED
-    assert stopped.text == "is stopped on its way: faces 3 and 4 press on each other"
+    assert stopped.text == (
+        "comes to its target through itself alone, as far as orders were tried: faces 3 and 4 "
+        "press on each other"
+    )
+    short = replace(verdict, reached=False)
+    told = [Finding("stopped-by-contact", Severity.ERROR, "faces 3 and 4 press on each other.")]
+    held = in_words(folding, short, motion, told)
+    assert held.kind is VerdictKind.STOPPED
+    assert held.text == "is stopped on its way: faces 3 and 4 press on each other"
 
 
 @pytest.mark.parametrize("radius", [50.0, 200.0])

@@ -162,6 +162,9 @@ def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
             "a lower thickness_mm."
         )
     if reached and not settings.in_contact:
-        text += " What is shown passes through itself; --contact shows where the sheet stops."
+        text += (
+            " Another order may get there, so that this is a warning: what is shown passes through "
+            "itself. --contact shows where the sheet stops, as an error."
+        )
     severity = Severity.ERROR if settings.in_contact else Severity.WARNING
     return Finding("stopped-by-contact", severity, text, panels=stop.faces)
