@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from fab.errors import InvalidJob
-from fab.files import shortened
+from fab.files import shortened, shown_path
 from fab.sweeps.dotted_names import named
 
 __all__ = ["Chosen", "choose", "column_named"]
@@ -56,8 +57,8 @@ def choose(
     """
     import duckdb
 
-    if not table.is_file():
-        raise InvalidJob(f"{table}: is not there. Make it with `quadfold sweep`.")
+    if not os.path.isfile(table):  # noqa: PTH113 - false for names that no file can have
+        raise InvalidJob(f"{shown_path(table)}: is not there. Make it with `quadfold sweep`.")
     with duckdb.connect() as connection:
         try:
             connection.execute(

@@ -429,3 +429,10 @@ def test_sheets_are_not_measured_without_a_cutter(small, tmp_path):
     small.write_text('measure = ["sheets"]\n' + SMALL)
     with pytest.raises(InvalidJob, match=r"needs a table \[cutter\]"):
         run_sweep(load_sweep(small), tmp_path / "out")
+
+
+@pytest.mark.parametrize("name", ["missing", "a" * 300])
+def test_a_table_that_is_not_there_is_told(here, name):
+    result = CliRunner().invoke(main, ["table", name])
+    assert result.exit_code == 2
+    assert "is not there. Make it with `quadfold sweep`" in result.stderr
