@@ -235,7 +235,7 @@ def _text(
         case VerdictKind.STOPPED:
             how = "is stopped on its way"
             if reached:
-                how = "comes to its target through itself alone, as far as orders were tried"
+                how = "reaches its target only by passing through itself, in every order tried"
             return f"{how}: {_text_of(findings, _STOPPED).rstrip('.')}"
         case VerdictKind.NOTHING:
             return "nothing folds: no crease has an angle other than 0"

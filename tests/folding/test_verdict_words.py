@@ -99,7 +99,7 @@ def test_what_contact_and_layers_found_comes_first():
     stopped = words("stopped-by-contact", "faces 3 and 4 press on each other.", Severity.WARNING)
     assert stopped.kind is VerdictKind.STOPPED
     assert stopped.text == (
-        "comes to its target through itself alone, as far as orders were tried: faces 3 and 4 "
+        "reaches its target only by passing through itself, in every order tried: faces 3 and 4 "
         "press on each other"
     )
     short = replace(verdict, reached=False)
