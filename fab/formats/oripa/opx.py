@@ -102,6 +102,8 @@ def _elements(path: Path) -> Iterator[Any]:
                     f"{path}: has over {MOST_ELEMENTS} elements, or over {DEEPEST} in each other, "
                     "as no file of ORIPA has. Save it in ORIPA again."
                 )
+    except InvalidFile:  # which is a ValueError too
+        raise
     except DefusedXmlException as error:
         raise InvalidFile(
             f"{path}: it has a document type or entities, which ORIPA never writes. Remove them."
