@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -35,6 +36,8 @@ _MOST_BITS = 13_000
 _LONGEST_SHOWN = 80
 # Keys at fault that an error lists.
 _MOST_LISTED = 50
+# A part of a key that is the place of an element of a list.
+_PLACE = re.compile(r"[0-9]{1,18}")
 
 # What a number must be, and what other values must, by pydantic's name of the error.
 _NUMBERS = {
@@ -363,5 +366,5 @@ def _kind(node: Any) -> Any:
 def _within(node: Any, part: Any) -> Any:
     if isinstance(node, Mapping):
         return node.get(part)
-    index = int(part) if isinstance(node, list) and str(part).isdigit() else -1
+    index = int(part) if isinstance(node, list) and _PLACE.fullmatch(str(part)) else -1
     return node[index] if 0 <= index < len(node) else None

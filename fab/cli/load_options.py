@@ -48,6 +48,9 @@ _OPTIONS = (
     ),
 )
 
+# Of the number of a vertex; Python converts no endless ones.
+_MOST_DIGITS = 18
+
 
 def load_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """A command with the options of loads, which it takes as `loads`: keys of a job."""
@@ -104,7 +107,7 @@ def with_loads(settings: FoldSettings, given: Mapping[str, Any]) -> FoldSettings
 
 def _where(text: str) -> str | int | list[float]:
     text = text.strip()
-    if text.isdigit():
+    if text.isdecimal() and len(text) <= _MOST_DIGITS:
         return int(text)
     return _numbers(f"--fix {text}", text, 4) if "," in text else text
 

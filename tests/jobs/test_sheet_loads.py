@@ -144,3 +144,10 @@ def test_settings_of_a_job_are_those_of_the_options():
     with pytest.raises(InvalidJob, match=r"loads\.fixed is missing"):
         checked(FoldSettings, {"loads": {"weight": True}}, "job", "")
     assert read_pattern(MIURA)[0].face_count == 40
+
+
+@pytest.mark.parametrize("where", ["\u00b2", "9" * 5000, "-1", "vertex 3"])
+def test_places_that_are_no_vertex_and_no_edge_are_told(tmp_path, where):
+    result = run("--fix", where, "--only", "fold", "--out", tmp_path)
+    assert result.exit_code == 2
+    assert "quadfold: loads: fixed.0 = " in result.stderr
