@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import importlib
 import io
 import json
 import shutil
 from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -208,7 +210,15 @@ def _words(random: Random, name: str, command: click.Command) -> list[str]:
     return [*arguments, *(word for words in order for word in words)]
 
 
+@cache
+def _loaded() -> None:
+    """Load libraries whose room is not that of a command."""
+    for name in ("build123d", "matplotlib.pyplot", "duckdb", "optuna"):
+        importlib.import_module(name)
+
+
 def _written(random: Random) -> bytes:
+    _loaded()
     names = [name for name, count in _COMMANDS.items() for _ in range(count)]
     name = _of(random, names)
     if name:
@@ -256,14 +266,32 @@ def _run(words: list[str]) -> tuple[int, str, str]:
     return code, *(stream.getvalue().decode() for stream in streams)
 
 
+@cache
+def _valued() -> frozenset[str]:
+    """Options that take the word after them."""
+    options = [one for command in main.commands.values() for one in command.params]
+    return frozenset(
+        name
+        for one in options
+        if isinstance(one, click.Option) and not one.is_flag
+        for name in one.opts
+    )
+
+
+def _flags(words: Sequence[str]) -> set[str]:
+    """Words that are asked for, and are not the value of the option before them."""
+    return {word for before, word in pairwise(["", *words]) if before not in _valued()}
+
+
 def _command(path: Path, random: Random) -> str:
     words = json.loads(path.read_bytes())
+    flags = _flags(words)
     there = path.with_name("there")
     with _in_folder(there):
         before = _listed(there)
         code, out, err = _run(words)
         after = _listed(there)
-    dry = "--dry-run" in words
+    dry = "--dry-run" in flags
     assert code in (0, 1, 2), f"exit code {code}"
     for text in (out, err):
         assert "Traceback" not in text, "no traceback is shown"
@@ -281,13 +309,13 @@ def _command(path: Path, random: Random) -> str:
         assert last, f"a refusal without a sentence: {err!r}"
         if last[-1].startswith("quadfold: "):
             raise InvalidJob(err.partition("quadfold: ")[2])
-    elif words and words[0] in _DELIVERED and "--help" not in words:
+    elif words and words[0] in _DELIVERED and "--help" not in flags:
         said = any(row.startswith("error: ") for row in err.split("\n"))
-        if "--json" in words:
+        if "--json" in flags:
             findings = json.loads(out, parse_constant=_no_number)["findings"]
             said = any(finding["severity"] == "error" for finding in findings)
         assert said == (code == 1), f"exit code {code} with {err!r}"
-        if "--quiet" in words:
+        if "--quiet" in flags:
             assert not out, "quiet commands print nothing"
     kept = {name for name in changed if not name.endswith("_report.json")}  # they have seconds
     hashes = {name: after[name] for name in sorted(kept)}
