@@ -17,6 +17,19 @@ from fab.settings import checked
 MIURA = str(PATTERNS / "miura.fold")
 
 
+def panel(path, width, height):
+    """A file of one rectangle, mm."""
+    document = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": [[0, 0], [width, 0], [width, height], [0, height]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
+        "edges_assignment": ["B"] * 4,
+    }
+    path.write_text(json.dumps(document))
+    return path
+
+
 def run(*words):
     return CliRunner().invoke(main, ["simulate", MIURA, "--states", "2", *map(str, words)])
 
@@ -54,16 +67,7 @@ def test_a_sheet_that_is_held_sags_with_files_and_figures(tmp_path):
 
 
 def test_a_sheet_that_air_lifts_is_said_to_rise_and_its_weight_is_not_named(tmp_path):
-    corners = [[0.0, 0.0], [60.0, 0.0], [60.0, 40.0], [0.0, 40.0]]
-    path = tmp_path / "panel.fold"
-    document = {
-        "file_spec": 1.1,
-        "frame_unit": "mm",
-        "vertices_coords": corners,
-        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
-        "edges_assignment": ["B"] * 4,
-    }
-    path.write_text(json.dumps(document))
+    path = panel(tmp_path / "panel.fold", 60.0, 40.0)
     words = ["--fix", "border", "--pressure-pa", "100", "--no-weight", "--only", "fold"]
     words += ["--material", "card_300gsm", "--out", str(tmp_path)]
     result = CliRunner().invoke(main, ["simulate", str(path), *words])
@@ -77,16 +81,7 @@ def test_a_sheet_that_air_lifts_is_said_to_rise_and_its_weight_is_not_named(tmp_
 
 
 def test_a_held_edge_turns_and_the_region_that_the_note_names_clamps_it(tmp_path):
-    corners = [[0, 0], [60, 0], [60, 20], [0, 20]]
-    path = tmp_path / "strip.fold"
-    document = {
-        "file_spec": 1.1,
-        "frame_unit": "mm",
-        "vertices_coords": corners,
-        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
-        "edges_assignment": ["B"] * 4,
-    }
-    path.write_text(json.dumps(document))
+    path = panel(tmp_path / "strip.fold", 60.0, 20.0)
     sags = []
     where = "left edge"
     for swings in (True, False):

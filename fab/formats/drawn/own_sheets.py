@@ -159,15 +159,23 @@ def _to_vertices(ends: FloatArray, crease: BoolArray) -> tuple[FloatArray, int]:
     return ends, int(loose.sum())
 
 
+def _outward(
+    ends: FloatArray, which: BoolArray
+) -> tuple[IntArray, IntArray, FloatArray, FloatArray, FloatArray]:
+    """Some ends of lines: the line and side of each, its point, the way out of it, the length."""
+    line, side = np.nonzero(which)
+    points = ends[line, side]
+    span = points - ends[line, 1 - side]
+    length = np.hypot(span[:, 0], span[:, 1])
+    return line, side, points, span / length[:, None], length
+
+
 def _bends(ends: FloatArray, loose: BoolArray, reach: float) -> tuple[FloatArray, BoolArray]:
     """Loose ends that meet each other first moved to where they do, and which these are."""
     out, moved = ends.copy(), np.zeros(loose.shape, bool)
-    line, side = np.nonzero(loose)
+    line, side, start, along, _ = _outward(ends, loose)
     if len(line) < 2:
         return out, moved
-    start = ends[line, side]
-    span = start - ends[line, 1 - side]
-    along = span / np.hypot(span[:, 0], span[:, 1])[:, None]
     rays = shapely.linestrings(np.stack([start, start + reach * along], axis=1))
     mine, other = shapely.STRtree(rays).query(rays, predicate="intersects")
     sine = along[mine, 0] * along[other, 1] - along[mine, 1] * along[other, 0]
@@ -191,13 +199,9 @@ def _bends(ends: FloatArray, loose: BoolArray, reach: float) -> tuple[FloatArray
 def _straight_through(ends: FloatArray, loose: BoolArray) -> tuple[FloatArray, BoolArray]:
     """Loose ends that face each other on one line moved to their middle, and which these are."""
     out, closed = ends.copy(), np.zeros(loose.shape, bool)
-    line, side = np.nonzero(loose)
+    line, side, points, outward, length = _outward(ends, loose)
     if len(line) < 2:
         return out, closed
-    points = ends[line, side]
-    outward = points - ends[line, 1 - side]
-    length = np.hypot(outward[:, 0], outward[:, 1])
-    outward /= length[:, None]
     other, gap = facing(points, outward, line, length, _NOISE_MM)
     pair = np.flatnonzero((other >= 0) & (gap <= 2 * _REACHES_MM[-1]))
     pair = pair[other[other[pair]] == pair]
@@ -281,10 +285,7 @@ def _to_outlines(lines: FloatArray, reached: FloatArray, walls: FloatArray) -> F
 
     reached : how far each end is from these, infinite where it meets none, shape (n, 2).
     """
-    line, side = np.nonzero(np.ones(reached.shape, bool))
-    start = lines[line, side]
-    span = start - lines[line, 1 - side]
-    along = span / np.hypot(span[:, 0], span[:, 1])[:, None]
+    line, side, start, along, _ = _outward(lines, np.ones(reached.shape, bool))
     far = np.minimum(reached[line, side] + _WIDEST_KERF_MM, _REACHES_MM[-1])
     rays = shapely.linestrings(np.stack([start, start + far[:, None] * along], axis=1))
     ray, wall = shapely.STRtree(shapely.linestrings(walls)).query(rays, predicate="intersects")

@@ -62,9 +62,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     file: 1/72 inch for Adobe Illustrator, 1/90 for Inkscape before 0.92, else 1/96.
 
     Raises `InvalidFile` for files that are not SVG, without a line, with images alone, with strokes
-    as filled outlines alone, with more
-    than a million lines or coordinates beyond 1e9, with lengths that are none, and all that
-    `read_xml` refuses.
+    as filled outlines alone, with more than a million lines or coordinates beyond 1e9, with lengths
+    that are none, and all that `read_xml` refuses.
     """
     document = read_xml(path)
     root = document.root
