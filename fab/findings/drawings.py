@@ -549,8 +549,16 @@ DRAWINGS = (
         "several-patterns",
         (WARNING,),
         "The file has several crease patterns: the first is read, or one that adds to it.",
-        "It holds several different frames of class creasePattern, whatever they inherit.",
+        "It holds several different frames of class creasePattern, whatever they inherit, or flat "
+        "ones where none is of this class.",
         "Give --frame 2 for the second, and so on.",
+    ),
+    Explanation(
+        "frames-left-out",
+        (NOTE,),
+        "Frames that are neither of class creasePattern nor of class foldedForm are left out.",
+        "They are of other classes, or of none, and another frame is the crease pattern.",
+        "Give those that are to be read the class creasePattern or foldedForm.",
     ),
     Explanation(
         "flat-form-taken",

@@ -29,6 +29,7 @@ FACTS = frozenset(
         # left out, as it is no crease
         "elements-skipped",
         "entities-skipped",
+        "frames-left-out",
         "layer-unplotted",
         "layers-hidden",
         "line-without-length",

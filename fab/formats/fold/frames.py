@@ -5,13 +5,14 @@ Specification: https://github.com/edemaine/fold/blob/main/doc/spec.md (version 1
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fab.errors import Finding, InvalidFile, Severity
+from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.files import require_file
 from fab.formats.coordinate_bounds import require_range
 from fab.formats.fold.flat_frames import FlatSheet, flat_sheet, is_open
@@ -76,23 +77,22 @@ def read_frames(path: Path, options: ReadOptions) -> Frames:
     """The frames of a file.
 
     The flat sheet is the first frame of class creasePattern, or the first that has all of it and
-    more, such as assignments, or that which `options.frame` names; without any, the first other
-    frame that is flat and open, in any plane; without any, a folded form is unfolded. The folded
-    form is the first of class foldedForm besides.
+    more, such as assignments, or that which `options.frame` names; where no frame is of this class,
+    all frames that are flat and open count as such, in any plane and but for folded forms; without
+    any, a folded form is unfolded. The folded form is the first of class foldedForm besides. Code
+    of the finding about frames of other classes: "frames-left-out".
 
     Raises `InvalidFile` for what is no FOLD file, and one without a sheet that is or unfolds flat.
     """
     document = _load(path)
     raw = [document, *frame_list(path, document, "file_frames", [])]
     frames = _resolved(path, raw)
-    found = sheet_frames(
-        frames,
-        [
-            number
-            for number, frame in enumerate(frames)
-            if _is(frame, "creasePattern") and (number == 0 or "vertices_coords" in frame)
-        ],
-    )
+    named = [
+        number
+        for number, frame in enumerate(frames)
+        if _is(frame, "creasePattern") and (number == 0 or "vertices_coords" in frame)
+    ]
+    found = sheet_frames(frames, named or _flat_frames(path, frames))
     sheets = found.numbers
     title = _text(document.get("file_title"))
     if not sheets:
@@ -125,6 +125,8 @@ def read_frames(path: Path, options: ReadOptions) -> Frames:
             f"{path}: no flat frame: the crease pattern's z runs over {np.ptp(coords[:, 2]):.6g}. "
             "Give a frame of class creasePattern with flat coordinates."
         )
+    others = [n for n in _classless(frames) if n not in found.same]
+    findings += _left_out(frames, number, others)
     return _chosen(title, flat, sheet, folded, len(sheets), findings)
 
 
@@ -144,35 +146,87 @@ def frames_of_shapes(
             f"{path}: no flat frame: its z runs over {np.ptp(coords[:, 2]):.6g}. Give the flat "
             "sheet first."
         )
-    return _of_folded(path, title, frame, findings)
+    return _of_folded(path, title, [frame], findings)
+
+
+def _classless(frames: list[_Frame]) -> list[int]:
+    """Frames with points that are neither of class creasePattern nor of class foldedForm."""
+    return [
+        number
+        for number, frame in enumerate(frames)
+        if "vertices_coords" in frame
+        and not (_is(frame, "creasePattern") or _is(frame, "foldedForm"))
+    ]
+
+
+def _flat_frames(path: Path, frames: list[_Frame]) -> list[int]:
+    """The frames that are flat and open, where none is of class creasePattern.
+
+    The first of them need not be open: it is what was drawn. Others that cannot be read are none.
+    """
+    first, *others = _classless(frames) or [-1]
+    if first < 0:
+        return []
+    found = [] if _flat(path, frames[first]) is None else [first]
+    for number in others:
+        with suppress(InvalidFile):
+            sheet = _flat(path, frames[number])
+            if sheet is not None and _opens(path, frames[number], sheet):
+                found.append(number)
+    return found
+
+
+def _left_out(frames: list[_Frame], number: int, others: list[int]) -> list[Finding]:
+    """The finding of frames of other classes that say anything else than the sheet."""
+    if not others:
+        return []
+    compared = sheet_frames(frames, [number, *others])
+    lost = [n for n in others if not compared.says_all_of(number, compared.same[n])]
+    if not lost:
+        return []
+    first = f"file_frames[{lost[0] - 1}]" if lost[0] else "the outermost frame"
+    more = len(lost) - 1
+    which = f"{first} is" if not more else f"{first} and {counted(more, 'other frame')} are"
+    text = (
+        f"{which} neither of class creasePattern nor of class foldedForm, and left out. Give one "
+        "of these classes to what is to be read."
+    )
+    return [Finding("frames-left-out", Severity.NOTE, text)]
 
 
 def _without_sheet(path: Path, title: str, frames: list[_Frame], options: ReadOptions) -> Frames:
-    """The flat sheet where no frame says that it is one."""
+    """The flat sheet where no frame is one but for folded forms."""
     if options.frame not in (None, 1):
         raise InvalidFile(
             f"{path}: --frame {options.frame}: the file has 1 crease pattern. Give 1."
         )
-    shown = [frame for frame in frames if "vertices_coords" in frame]
-    if not shown:
+    others = _classless(frames)
+    forms = [
+        number
+        for number, frame in enumerate(frames)
+        if "vertices_coords" in frame and _is(frame, "foldedForm")
+    ]
+    if not (others or forms):
         frame_coords(path, frames[0], "crease pattern")  # says what is missing
-    free = [frame for frame in shown if not _is(frame, "foldedForm")]
-    folded = [frame for frame in shown if _is(frame, "foldedForm")]
-    for frame in [*free, *folded]:
+    folded = [frames[number] for number in forms]
+    for number, frame in zip(forms, folded, strict=True):
         sheet = _flat(path, frame)
-        if sheet is None or not (frame in free[:1] or _opens(path, frame, sheet)):
+        if sheet is None or not _opens(path, frame, sheet):
             continue
-        others = [other for other in folded if other is not frame]
-        findings = []
-        if _is(frame, "foldedForm"):
-            text = "a frame of class foldedForm is flat: it is taken for the crease pattern."
-            findings.append(Finding("flat-form-taken", Severity.NOTE, text))
-        return _chosen(title, frame, sheet, others, 1, findings)
-    return _of_folded(path, title, [*folded, *free][0], [])
+        text = "a frame of class foldedForm is flat: it is taken for the crease pattern."
+        findings = [Finding("flat-form-taken", Severity.NOTE, text)]
+        findings += _left_out(frames, number, others)
+        rest = [other for other in folded if other is not frame]
+        return _chosen(title, frame, sheet, rest, 1, findings)
+    if forms:
+        return _of_folded(path, title, folded, _left_out(frames, forms[0], others))
+    first, *behind = others
+    return _of_folded(path, title, [frames[first]], _left_out(frames, first, behind))
 
 
-def _of_folded(path: Path, title: str, frame: _Frame, findings: list[Finding]) -> Frames:
-    """The flat sheet that a folded form unfolds into."""
+def _of_folded(path: Path, title: str, folded: list[_Frame], findings: list[Finding]) -> Frames:
+    """The flat sheet that the first of some folded forms unfolds into."""
+    frame = folded[0]
     coords = frame_coords(path, frame, "folded form")
     if not frame.get("faces_vertices"):
         raise InvalidFile(
@@ -197,7 +251,7 @@ def _of_folded(path: Path, title: str, frame: _Frame, findings: list[Finding]) -
         f"{np.ptp(flat[:, 0]):.6g} x {np.ptp(flat[:, 1]):.6g} units large."
     )
     found = [*findings, Finding("unfolded", Severity.NOTE, text)]
-    return _chosen(title, frame, FlatSheet(flat, "", False), [frame], 1, found)
+    return _chosen(title, frame, FlatSheet(flat, "", False), folded, 1, found)
 
 
 def _chosen(

@@ -87,7 +87,7 @@ def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFi
     "fold-angle-contradicts", "fold-angle-zero", "zero-length-edge", "duplicate-edge",
     "vertices-merged", "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area",
     "border-unmarked", "border-inside", "folded-form-differs", "face-orders-unknown"; and, as no
-    repairs, "crease-dangling", "frame-turned", "hole", "sheet-overlaps".
+    repairs, "crease-dangling", "frame-turned", "frames-left-out", "hole", "sheet-overlaps".
     """
     options = ReadOptions() if options is None else options
     file = Path(path)

@@ -403,8 +403,9 @@ def test_the_very_same_pattern_is_not_counted_twice(tmp_path):
         {**HEIR, "vertices_coords": spatial},
         {**first, **angled(-90.0)},
     ]
-    for classes in (["linkage"], ["graph"], [], ["foldedForm"]):
-        again.append({**HEIR, **lettered("V"), "frame_classes": classes})
+    again.append({**HEIR, **lettered("V"), "frame_classes": ["foldedForm"]})
+    for classes in (["linkage"], ["graph"], []):
+        again.append({**HEIR, "frame_title": "of another class", "frame_classes": classes})
     found = read(tmp_path, {**first, "file_frames": again})
     assert found.patterns == 1
     assert found.findings == ()
@@ -418,6 +419,54 @@ def test_the_very_same_pattern_is_not_counted_twice(tmp_path):
     second = read(tmp_path, document, frame=2)
     assert crease_of(second) == ("V", 90)
     assert second.pattern.folded_coords is None
+
+
+@pytest.mark.parametrize("classes", [["linkage"], ["graph"], []])
+def test_frames_of_other_classes_are_reported_beside_a_pattern(tmp_path, classes):
+    first = {**STRIP, **lettered("M"), **angled(-90)}
+    other = {**HEIR, **lettered("V"), "frame_classes": classes}
+    form = {**HEIR, "frame_classes": ["foldedForm"], "vertices_coords": BENT}
+    found = read(tmp_path, {**first, "file_frames": [form, other]}, strict=True)
+    assert found.patterns == 1
+    (told,) = found.findings
+    assert told.code == "frames-left-out"
+    assert "file_frames[1] is neither of class creasePattern" in told.text
+    found = read(tmp_path, {**first, "file_frames": [other, other, {**other, **angled(30)}]})
+    (told,) = found.findings
+    assert "file_frames[0] and 2 other frames are neither" in told.text
+
+
+@pytest.mark.parametrize("classes", [["linkage"], []])
+def test_flat_frames_count_as_patterns_where_none_says_that_it_is_one(tmp_path, classes):
+    first = {**STRIP, "frame_classes": classes, **lettered("M"), **angled(-90)}
+    second = {**first, **lettered("V"), **angled(90)}
+    bent = {**first, "vertices_coords": BENT}
+    for document in (
+        {**first, "file_frames": [bent, second]},
+        {"file_frames": [first, bent, {**first, "vertices_coords": [[0, "x"]]}, second]},
+    ):
+        found = read(tmp_path, document)
+        assert found.patterns == 2
+        assert [finding.code for finding in found.findings] == [
+            "several-patterns",
+            "frames-left-out",
+        ]
+        assert crease_of(found) == ("M", -90)
+        found = read(tmp_path, document, frame=2)
+        assert [finding.code for finding in found.findings] == ["frames-left-out"]
+        assert crease_of(found) == ("V", 90)
+
+
+def test_folded_forms_besides_the_one_that_is_unfolded_are_states(tmp_path):
+    form = {**STRIP, "frame_classes": ["foldedForm"], **lettered("V"), "vertices_coords": BENT}
+    half = [[x, y, z * 0.6] if x < 4 else [2 + 1.6, y, 1.2] for (x, y), z in
+            zip(STRIP["vertices_coords"], (0, 0, 2, 0, 0, 2), strict=True)]  # fmt: skip
+    more = {**form, "vertices_coords": [*BENT, [9, 9, 9]]}
+    found = read(tmp_path, {**form, "file_frames": [{**form, "vertices_coords": half}, more]})
+    assert crease_of(found) == ("V", pytest.approx(90))
+    assert [points[2].tolist() for _, points in found.states] == [[3.6, 0, 1.2]]
+    codes = [finding.code for finding in found.findings]
+    assert codes == ["unfolded", "folded-form-differs", "fold-angle-measured"]
 
 
 @pytest.mark.parametrize("parent", [0, 1])
