@@ -319,6 +319,13 @@ DRAWINGS = (
         "Explode them in the CAD program where they have creases.",
     ),
     Explanation(
+        "blocks-absent",
+        (WARNING,),
+        "Insertions of blocks that the file does not have are left out (DXF).",
+        "They refer to other files (external references), or the file is not whole.",
+        "Bind external references in the CAD program, and export the drawing again.",
+    ),
+    Explanation(
         "entities-damaged",
         (WARNING,),
         "Entities whose numbers make no line are left out.",

@@ -45,5 +45,7 @@ def test_a_sheet_with_wishes_gives_its_pattern_back(name, wishes, kind, tmp_path
     made = fabricate(pattern, "sheet", request)
     path = tmp_path / f"sheet_1.{kind}"
     path.write_bytes(made.files[path.name])
-    again = read_any([path]).pattern
+    found = read_any([path])
+    again = found.pattern
+    assert "colour-unknown" not in {finding.code for finding in found.findings}
     assert lengths(again) == pytest.approx(lengths(pattern), rel=1e-4)

@@ -11,7 +11,7 @@ from ezdxf.math import arc_angle_span_deg
 
 from solver.vectors import FloatArray
 
-__all__ = ["DRAWN", "flattened", "is_curved", "weight"]
+__all__ = ["DRAWN", "flattened", "is_curved", "is_mesh", "weight"]
 
 # Points, shape (n, 3), at parameters, shape (n,).
 _Curve = Callable[[FloatArray], FloatArray]
@@ -36,6 +36,13 @@ def is_curved(entity: Any) -> bool:
     return bool(kind != "LINE")
 
 
+def is_mesh(entity: Any) -> bool:
+    """Whether it is a mesh of faces, which is a kind of POLYLINE."""
+    return entity.dxftype() == "POLYLINE" and bool(
+        entity.is_poly_face_mesh or entity.is_polygon_mesh
+    )
+
+
 def weight(entity: Any) -> int:
     """How many lines an entity becomes at least, without its being flattened."""
     kind = entity.dxftype()
@@ -53,8 +60,7 @@ def flattened(entity: Any, tolerance: float) -> FloatArray:
 
     tolerance : greatest distance from the curve, in units of the drawing.
 
-    Empty for a mesh of faces (a kind of POLYLINE). Raises whatever ezdxf does for entities whose
-    numbers make no curve.
+    Raises whatever ezdxf does for entities whose numbers make no curve.
     """
     kind = entity.dxftype()
     if kind == "LINE":
@@ -153,8 +159,6 @@ def _straightened(points: FloatArray) -> FloatArray:
 
 
 def _polyline(entity: Any, tolerance: float) -> FloatArray:
-    if entity.is_poly_face_mesh or entity.is_polygon_mesh:
-        return np.zeros((0, 3))
     vertices = [v for v in entity.vertices if not v.dxf.flags & _SPLINE_FRAME]
     places = np.array([tuple(v.dxf.location) for v in vertices], float).reshape(-1, 3)
     if entity.is_3d_polyline:

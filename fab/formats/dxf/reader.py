@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from fab.formats.drawn.dashes import join_dashes
 from fab.formats.drawn.letters import key_of, letter_of, unlettered_finding, unused_colours
 from fab.formats.drawn.line_soup import UNLETTERED, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
-from fab.formats.dxf.curves import DRAWN, flattened, is_curved, weight
+from fab.formats.dxf.curves import DRAWN, flattened, is_curved, is_mesh, weight
 from fab.formats.dxf.document import mm_per_unit_of, read_document, unit_findings
 from fab.formats.read_options import ReadOptions
 from fab.formats.source_files import shown
@@ -83,11 +83,12 @@ class _Drawn:
 
 @dataclass(frozen=True)
 class _LeftOut:
-    """Counts of entities that are not drawn, by their kind or layer."""
+    """Counts of entities that are not drawn, by their kind, layer or block."""
 
     kinds: Counter[str] = field(default_factory=Counter)
     hidden: Counter[str] = field(default_factory=Counter)
     damaged: Counter[str] = field(default_factory=Counter)
+    absent: Counter[str] = field(default_factory=Counter)
     unplotted: Counter[str] = field(default_factory=Counter)
 
 
@@ -103,8 +104,8 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     Raises `InvalidFile` for files that cannot be read, without lines, over the bounds, with blocks
     that contain themselves, and for drawings in an upright plane. Codes of the findings:
     "file-recovered", "unit-imperial", "paper-space", "entities-skipped", "layers-hidden",
-    "layer-unplotted", "entities-damaged", "curves-flattened", "off-plane", "colour-unknown",
-    "colours-unused", and those of `join_dashes` and `recovered_sheet`.
+    "layer-unplotted", "blocks-absent", "entities-damaged", "curves-flattened", "off-plane",
+    "colour-unknown", "colours-unused", and those of `join_dashes` and `recovered_sheet`.
     """
     document, recovered = read_document(path)
     mm = mm_per_unit_of(document)
@@ -134,7 +135,8 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
             f"them, on layers that are visible.{' ' if what else ''}{what}"
         )
     lines, off_plane = _flat(path, lines)
-    letters, unlettered = _letters(drawn, options.colours)
+    letters, unknown = _letters(drawn, options.colours)
+    unused = _unused(drawn, options.colours)
     soup = LineSoup(
         path,
         _title(document),
@@ -144,11 +146,13 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
         element,
         tuple(one.name for one in drawn),
         mm,
-        (*findings, *off_plane, *unlettered),
+        (*findings, *off_plane, *unused),
     )
     layers = [one.layer for one in drawn]
     if {"CUT"} < set(layers) <= set(OPERATIONS):
         return recovered_sheet(soup, layers, closed, bent)
+    if unknown:
+        soup = replace(soup, findings=(*soup.findings, unlettered_finding(unknown)))
     return join_dashes(soup)
 
 
@@ -228,8 +232,8 @@ class _Walk:
             layer = str(entity.dxf.layer)
             if layer == "0" and style.layer is not None:
                 layer = style.layer
-            if kind not in DRAWN and kind != "INSERT":
-                self.left_out.kinds[kind] += 1
+            if (kind not in DRAWN and kind != "INSERT") or is_mesh(entity):
+                self.left_out.kinds["MESH" if kind in DRAWN else kind] += 1
             elif self._is_hidden(entity, layer):
                 self.left_out.hidden[layer] += 1
             elif kind != "INSERT" and layer.casefold() == _UNPLOTTED:
@@ -245,8 +249,8 @@ class _Walk:
         self, insert: Any, layer: str, matrix: FloatArray | None, style: _Style
     ) -> Iterator[_Drawn]:
         block = insert.block()
-        if block is None:
-            self.left_out.damaged["INSERT"] += 1
+        if block is None or (block.block.is_xref and not len(block)):
+            self.left_out.absent[str(insert.dxf.name)] += 1
             return
         place = style.place or f" of INSERT {insert.dxf.handle}"
         inner = _Style(layer, self._colour(insert, layer, style), place)
@@ -375,7 +379,7 @@ def _left_out_findings(left_out: _LeftOut) -> list[Finding]:
         what = "1 entity is" if count == 1 else f"{count} entities are"
         text = (
             f"{what} left out as invisible, on layers that are off or frozen: "
-            f"{_listed(left_out.hidden, quoted=True)}. Show these layers to read them."
+            f"{_listed(left_out.hidden, 'on')}. Show these layers to read them."
         )
         out.append(Finding("layers-hidden", Severity.NOTE, text))
     if left_out.unplotted:
@@ -385,6 +389,13 @@ def _left_out_findings(left_out: _LeftOut) -> list[Finding]:
             "CAD programs never plot: left out. Move creases to another layer."
         )
         out.append(Finding("layer-unplotted", Severity.NOTE, text))
+    if left_out.absent:
+        text = (
+            "left out, insertions of blocks that the file does not have: "
+            f"{_listed(left_out.absent, 'of')}. Bind what refers to other files in the CAD "
+            "program, and export the drawing again."
+        )
+        out.append(Finding("blocks-absent", Severity.WARNING, text))
     if left_out.damaged:
         listed = _listed(left_out.damaged)
         text = f"left out, as their numbers make no line: {listed}. Draw them again."
@@ -392,10 +403,10 @@ def _left_out_findings(left_out: _LeftOut) -> list[Finding]:
     return out
 
 
-def _listed(counts: Mapping[str, int], *, quoted: bool = False) -> str:
+def _listed(counts: Mapping[str, int], before_name: str = "") -> str:
     ranked = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     listed = ", ".join(
-        f"{count} on {shown(name)}" if quoted else f"{count} {shown(name)[1:-1]}"
+        f"{count} {before_name} {shown(name)}" if before_name else f"{count} {shown(name)[1:-1]}"
         for name, count in ranked[:_LISTED]
     )
     rest = len(ranked) - _LISTED
@@ -426,8 +437,8 @@ def _flat(path: Path, lines: FloatArray) -> tuple[FloatArray, list[Finding]]:
     return across, [Finding("off-plane", severity, text)]
 
 
-def _letters(drawn: list[_Drawn], colours: Mapping[str, str]) -> tuple[Any, list[Finding]]:
-    """The assignment of each entity, and the finding of those that have none."""
+def _letters(drawn: list[_Drawn], colours: Mapping[str, str]) -> tuple[Any, Counter[str]]:
+    """The assignment of each entity, and what those that have none are drawn with."""
     from_oripa = any(one.layer in _ORIPA for one in drawn)
     unknown: Counter[str] = Counter()
     letters = []
@@ -439,8 +450,12 @@ def _letters(drawn: list[_Drawn], colours: Mapping[str, str]) -> tuple[Any, list
         if letter is None:
             unknown[one.colour or one.layer] += 1
         letters.append(letter or UNLETTERED)
-    findings = [unlettered_finding(unknown)] if unknown else []
-    if colours:
-        keys = {key_of(text) for one in drawn for text in (one.layer, one.colour or "")}
-        findings += unused_colours(colours, keys)
-    return np.array(letters, dtype="U1"), findings
+    return np.array(letters, dtype="U1"), unknown
+
+
+def _unused(drawn: list[_Drawn], colours: Mapping[str, str]) -> list[Finding]:
+    """The finding of colours and layers that have a letter, but no entity."""
+    if not colours:
+        return []
+    keys = {key_of(text) for one in drawn for text in (one.layer, one.colour or "")}
+    return unused_colours(colours, keys)

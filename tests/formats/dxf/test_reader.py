@@ -202,6 +202,11 @@ def test_what_is_left_out_is_counted(drawing, tmp_path):
     drawing.blocks.new("B").add_line((0, 3), (10, 3))
     space.add_blockref("B", (0, 0), {"layer": "cold"})
     space.add_blockref("missing", (0, 0))
+    drawing.add_xref_def("other.dxf", "elsewhere")
+    space.add_blockref("elsewhere", (0, 0))
+    space.add_blockref("elsewhere", (5, 0))
+    space.add_polymesh((2, 2))
+    space.add_polyface().append_face([(0, 0), (1, 0), (1, 1)])
     for _ in range(3):
         space.add_text("x")
     space.add_mline([(0, 0), (1, 1)])
@@ -209,13 +214,15 @@ def test_what_is_left_out_is_counted(drawing, tmp_path):
     space.add_3dface([(0, 0), (1, 0), (1, 1)])
     space.add_circle((0, 0), 0)
     soup = read(drawing, tmp_path)
-    assert codes(soup) == ["entities-skipped", "layers-hidden", "entities-damaged"]
+    left_out = ["entities-skipped", "layers-hidden", "blocks-absent", "entities-damaged"]
+    assert codes(soup) == left_out
     skipped = found(soup, "entities-skipped")
-    assert "3 TEXT, 1 3DFACE, 1 HATCH, 1 MLINE. Explode them" in skipped.text
+    assert "3 TEXT, 2 MESH, 1 3DFACE, 1 HATCH, 1 MLINE. Explode them" in skipped.text
     assert skipped.severity == Severity.WARNING
     assert "1 on '0', 1 on 'cold', 1 on 'off'" in found(soup, "layers-hidden").text
     assert found(soup, "layers-hidden").severity == Severity.NOTE  # as in SVG files
-    assert "1 INSERT" in found(soup, "entities-damaged").text
+    assert "2 of 'elsewhere', 1 of 'missing'" in found(soup, "blocks-absent").text
+    assert "1 CIRCLE" in found(soup, "entities-damaged").text
 
 
 def test_what_is_never_plotted_is_left_out(drawing, tmp_path):
