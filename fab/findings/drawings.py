@@ -604,6 +604,13 @@ DRAWINGS = (
     ),
     # what is lost in writing
     Explanation(
+        "faces-lost-in-drawing",
+        (WARNING,),
+        "A drawing of a sheet that overlaps itself shows lines of several faces in one place.",
+        "SVG, DXF and CP files have lines alone, not the faces that they belong to.",
+        "Keep the FOLD file, and have `fabricate` cut it into pieces.",
+    ),
+    Explanation(
         "angles-lost-in-dxf",
         (WARNING,),
         "Fold angles below 180 degrees get lost.",

@@ -26,6 +26,7 @@ __all__ = ["WRITTEN", "convert"]
 
 # Endings of files that are written.
 WRITTEN = (".fold", ".svg", ".dxf", ".cp", ".obj", ".png")
+_DRAWINGS = (".svg", ".dxf", ".cp")
 # The order of layers is sought for so long.
 _LAYERS_S = 20.0
 
@@ -65,7 +66,22 @@ def convert(read: PatternFile, target: Path) -> Made:
     else:
         data = cp_bytes(pattern)
         findings += lost_in_cp(pattern)
+    if ending in _DRAWINGS:
+        findings += _lost_in_drawing(read)
     return Made({target.name: data}, {}, tuple(findings))
+
+
+def _lost_in_drawing(read: PatternFile) -> list[Finding]:
+    """What lines alone cannot say: which of the faces that lie over each other they belong to."""
+    over = next((finding for finding in read.findings if finding.code == "sheet-overlaps"), None)
+    if over is None:
+        return []
+    text = (
+        "the drawing has the lines of faces that lie over each other in one place, and cannot say "
+        "which face they belong to: it is no pattern to cut or to read again. Keep the FOLD file, "
+        "which fabricate cuts into pieces."
+    )
+    return [Finding("faces-lost-in-drawing", Severity.WARNING, text, panels=over.panels)]
 
 
 def _orders(read: PatternFile) -> tuple[IntArray | None, list[Finding]]:

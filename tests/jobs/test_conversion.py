@@ -267,3 +267,22 @@ def test_angles_of_a_converted_pair_are_those_of_its_folded_form(here):
         pattern.folded_coords, pattern.edges, pattern.faces_vertices, pattern.faces_offsets
     )
     assert np.array_equal(measured, pattern.edges_foldAngle)
+
+
+@pytest.mark.parametrize(
+    ("ending", "lost"),
+    [(".svg", True), (".dxf", True), (".cp", True), (".obj", False), (".fold", False)],
+)
+def test_drawings_of_sheets_that_overlap_themselves_are_told(here, ending, lost):
+    """Five quads around a vertex: the fifth lies on the first."""
+    around = [(20, 0), (20, 20), (0, 20), (-20, 20), (-20, 0), (-20, -20), (0, -20), (20, -20)]
+    points = [(0, 0), *(around[k % 8] for k in range(11))]
+    faces = [[0, k, k + 1, k + 2] for k in range(1, 10, 2)]
+    document = {"frame_unit": "mm", "vertices_coords": points, "faces_vertices": faces}
+    (here / "ring.fold").write_text(json.dumps(document))
+    made = convert(read_any([here / "ring.fold"]), here / f"made{ending}")
+    told = {finding.code: finding for finding in made.findings}
+    assert "sheet-overlaps" in told
+    assert ("faces-lost-in-drawing" in told) == lost
+    if lost:
+        assert told["faces-lost-in-drawing"].panels == (0, 4)
