@@ -45,8 +45,10 @@ def covered(
     ).sum(axis=1)
     normals = target.normal_at(face, weights)
     out = np.zeros(len(points), bool)
+    # lengths in reaches: libigl lets rays pass through triangles whose area is below about 1e-6
+    points = points / reach
     for coords, faces in sheets:
-        coords = np.ascontiguousarray(coords)
+        coords = np.ascontiguousarray(coords / reach)
         triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
         tree = igl.AABB()
         tree.init(coords, triangles)
@@ -54,5 +56,5 @@ def covered(
             hit, far, _ = tree.intersect_ray_first(
                 coords, triangles, points, np.ascontiguousarray(way), np.inf
             )
-            out |= (np.asarray(hit).ravel() >= 0) & (np.asarray(far).ravel() <= reach)
+            out |= (np.asarray(hit).ravel() >= 0) & (np.asarray(far).ravel() <= 1)
     return out

@@ -105,6 +105,13 @@ MESHES = (
         "Nothing, but it takes longer. Decimate it in a mesh editor.",
     ),
     Explanation(
+        "mesh-moved",
+        (NOTE,),
+        "A surface over 100 times its size from the origin is moved there, and so is its sheet.",
+        "Coordinates of a map, or of a part of something large.",
+        "Nothing; to lay the sheet over the model, move it back by the middle in the text.",
+    ),
+    Explanation(
         "mesh-neighbours-cross",
         (NOTE,),
         "Neighbouring triangles cross each other.",

@@ -27,13 +27,13 @@ _MOST_ROUNDS = 50
 _NO_AREA = "none of its triangles has an area. Export it again."
 
 
-def place_text(point: FloatArray) -> str:
+def place_text(point: FloatArray, digits: int = 6) -> str:
     """A point in space as findings name it.
 
     >>> place_text(np.array([1.0, 0.25, -3e-7]))
     '(1, 0.25, -3e-07)'
     """
-    return f"({', '.join(f'{x:.6g}' for x in point.tolist())})"
+    return f"({', '.join(f'{x:.{digits}g}' for x in point.tolist())})"
 
 
 def packed(soup: Soup) -> Soup:

@@ -15,6 +15,7 @@ from solver.vectors import (
     BoolArray,
     FloatArray,
     IntArray,
+    cross,
     dot,
     norm,
     scattered,
@@ -27,6 +28,8 @@ __all__ = ["MeshTarget"]
 _ON_EDGE = 1e-9
 # Tangential distances below this, in sizes of the mesh, are rounding.
 _SAME = 1e-9
+# Faces narrower than this share of their length have no area in the map.
+_FLAT = 1e-12
 _X, _FACE, _WEIGHTS, _SIDE, _RIM = slice(2, 5), 5, slice(6, 8), 8, 9
 _COLUMNS = 10
 
@@ -219,10 +222,16 @@ class MeshTarget:
     def _flat(self) -> tuple[IntArray, FloatArray]:
         """Faces, shape (n,), and their corners in the map, with z = 0, shape (n, 3, 3).
 
-        Faces that reach over one end of the period are at its other end as well.
+        Faces that reach over one end of the period are at its other end as well. Faces without an
+        area in the map, such as those of a ring with all corners on one rim, are left out.
         """
         corners = np.pad(np.asarray(self.corners_uv, np.float64), ((0, 0), (0, 0), (0, 1)))
-        faces = np.arange(len(corners))
+        first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        area = norm(cross(first, second))
+        faces = np.flatnonzero(area > _FLAT * np.maximum(dot(first, first), dot(second, second)))
+        if not len(faces):
+            raise InvalidState("corners_uv", "no face has an area in the map", "Mend the mesh.")
+        corners = corners[faces]
         if self.period is None:
             return faces, corners
         u = corners[:, :, 0]

@@ -119,3 +119,12 @@ def test_half_a_plane_under_a_sheet_is_half_covered(z):
     assert covered(target, [quad(-1, 0, z), quad(-0.5, 0.5, z)], 0.3).mean() == pytest.approx(
         0.75, abs=2e-3
     )
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1e6])
+def test_what_is_covered_is_the_same_in_any_unit(unit):
+    target = MeshTarget(mesh_of(grid(lambda u, v: (unit * u, unit * v, 0 * u), 8, 8)))
+    coords, faces = quad(-1, 0, 0.2)
+    assert covered(target, [(unit * coords, faces)], 0.3 * unit).mean() == pytest.approx(
+        0.5, abs=2e-3
+    )

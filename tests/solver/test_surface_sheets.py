@@ -103,6 +103,21 @@ def test_places_go_on_around_a_tube():
     assert steps.max() < 1.3 * steps.min()  # nowhere held back at the end of the map
 
 
+def test_places_of_a_ragged_rim_are_those_beside_it():
+    """A triangle with all corners on a rim, as scans have them, has no area in the map."""
+    plain = tube()
+    (one, other), *_ = plain.edges_vertices[plain.rim_edges]
+    coords = plain.vertices_coords
+    tip = coords[[one, other]].mean(axis=0) + np.array([0.0, 0.0, 0.05 * np.sign(coords[one, 2])])
+    faces = np.concatenate([plain.faces_vertices, [[other, one, len(coords)]]])
+    ragged = mesh_of((np.concatenate([coords, [tip]]), faces))
+    assert ragged.kind is MeshKind.RING
+    flat, period = cylinder_map(ragged)
+    target = MeshTarget(ragged, flat, period)
+    points = target.point(target.places(np.linspace(flat[-1, 0], flat[-1, 1], 9)))
+    np.testing.assert_allclose(points, np.linspace(coords[other], coords[one], 9), atol=0.05)
+
+
 def test_a_ball_takes_two_sheets_or_more():
     mesh = ball()
     steps = []

@@ -349,3 +349,18 @@ def test_wide_faces_beside_needles_do_not_multiply():
     assert np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).max() < 1.5 * fine.size / 32
     needles, wide = 38 * 2 * 32, 2 * 32**2
     assert len(fine.faces_vertices) < needles + wide
+
+
+@pytest.mark.parametrize(("sizes", "moved"), [(90.0, False), (1e6, True)])
+def test_a_surface_far_from_the_origin_is_moved_there_by_what_is_stated(sizes, moved):
+    coords, faces = plate()
+    size = np.linalg.norm(np.ptp(coords, axis=0))
+    shift = sizes * size * np.array([0.6, 0.0, -0.8])
+    clean = clean_mesh((coords + shift, faces))
+    assert ("mesh-moved" in [finding.code for finding in clean.findings]) == moved
+    expected = coords if moved else coords + shift
+    box = [(c.min(axis=0), c.max(axis=0)) for c in (clean.mesh.vertices_coords, expected)]
+    np.testing.assert_allclose(*box, rtol=0, atol=1e-14 * sizes)
+    if moved:
+        stated = ", ".join(f"{x:.12g}" for x in shift)
+        assert f"is about ({stated}), 1000000 times its size" in text_of(clean, "mesh-moved")
