@@ -72,8 +72,8 @@ DRAWINGS = (
     Explanation(
         "assignment-missing",
         (WARNING,),
-        "The FOLD file has no letters: mountains and valleys are those of its fold angles.",
-        "edges_assignment is missing.",
+        "The file has no letters: mountains and valleys are those of fold angles, if it has any.",
+        "edges_assignment is missing, or it is an OBJ file.",
         _COMPARE,
     ),
     Explanation(
@@ -492,8 +492,8 @@ DRAWINGS = (
     Explanation(
         "edges-missing",
         (WARNING,),
-        "The edges are those of the faces.",
-        "edges_vertices is missing.",
+        "The edges are the sides of the faces.",
+        "edges_vertices is missing, or it is an OBJ file.",
         _NOTHING,
     ),
     Explanation(

@@ -92,6 +92,7 @@ def test_a_pair_of_obj_files_comes_back_as_it_was(here):
         ("v 0 0 x\n", "line 1: a point needs 3 finite"),
         ("v 0 0 0\nf 1 a 3\n", "line 2: a face needs numbers of points, not 'f 1 a 3'"),
         ("v 0 0 0\nf 0 1 1\n", "line 2: a face needs"),
+        ("v 0 0 0\nf 1 1 \\\n 1 \\\n x\n", "line 2: a face needs numbers of points, not 'f 1 1"),
         ("v 0 0 0\n", "no faces"),
         ("# of a model\n", "no faces"),
         ("", "the file is empty"),
@@ -108,8 +109,8 @@ def test_what_is_no_obj_file_is_refused_with_its_line(tmp_path, text, match):
 def test_obj_files_of_other_programs_are_read(tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text(
-        "mtllib a.mtl\no sheet\nv 0 0 0\nv 1 0 0 1.0\nvt 0 0\nvn 0 0 1\ns off\n"
-        "v 1 1 0\nv 0 1 0\nusemtl a\nf 1/1/1 2//1 3/1\nf -4 -2 -1\nl 1 2\n"
+        "# C:\\\nmtllib a.mtl\no sheet\nv 0 0 0\nv 1 0 0 1.0\nvt 0 0\nvn 0 0 1\ns off\n"
+        "v 1 1 0\nv 0 1 0\nusemtl a\nf 1/1/1 2//1\\\n 3/1\nf -4 \\\r\n-2 -1\nl 1 2\n"
     )
     mesh = read_obj(path)
     assert mesh.faces_vertices == [[0, 1, 2], [0, 2, 3]]

@@ -18,7 +18,7 @@ def number_rows(rows: Sequence[Any]) -> Any:
     >>> number_rows([[1, 2], [3, 4]]).tolist(), number_rows([[1, "2"]]).dtype.kind
     ([[1, 2], [3, 4]], 'U')
     """
-    if all(isinstance(value, int | float) for value in _values(rows)):
+    if all(type(value) in (int, float) for value in _values(rows)):  # no bool, which is an int too
         try:
             return np.array(rows)
         except (ValueError, OverflowError):  # of rows that are not alike, and endless numbers

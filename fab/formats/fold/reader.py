@@ -112,7 +112,8 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
     folded = shapes[0] if frames.folded is not None else None
     rows = flat.get("faces_vertices")
     faces = frame_faces(file, rows, count) if rows else None
-    lines, merged, found = _lines(file, flat, coords, faces)
+    by_angles = folded is not None or bool(flat.get("edges_foldAngle"))
+    lines, merged, found = _lines(file, flat, coords, faces, by_angles=by_angles)
     findings += found
     given: Faces | None = None
     none_given = "" if flat.get("edges_foldAngle") else "edges_foldAngle is missing"
@@ -197,11 +198,16 @@ def _diagonal(coords: FloatArray) -> float:
 
 
 def _lines(
-    file: Path, flat: dict[str, Any], coords: FloatArray, faces: tuple[IntArray, IntArray] | None
+    file: Path,
+    flat: dict[str, Any],
+    coords: FloatArray,
+    faces: tuple[IntArray, IntArray] | None,
+    *,
+    by_angles: bool,
 ) -> tuple[Lines, IntArray, list[Finding]]:
     """Edges of the file, each once and with length, what each vertex became, and findings."""
     pairs, findings = _pairs(file, flat, len(coords), faces)
-    letters, found = _letters(file, flat, len(pairs))
+    letters, found = _letters(file, flat, len(pairs), by_angles=by_angles)
     findings += found
     angles = _stored_angles(file, flat, len(pairs))
     near = _SAME * _diagonal(coords)
@@ -343,15 +349,24 @@ def _pairs(
                 f"of. Export the file with its edges, or remove {key}."
             )
     corners, offsets = faces
-    text = "edges_vertices is missing: the edges are those of the faces."
+    text = "the file lists no edges (edges_vertices): they are the sides of its faces."
     sides = np.sort(np.column_stack([corners, corners[next_corner(offsets)]]), axis=1)
     return np.unique(sides, axis=0), [_finding("edges-missing", Severity.WARNING, text)]
 
 
-def _letters(path: Path, frame: dict[str, Any], count: int) -> tuple[Letters, list[Finding]]:
+def _letters(
+    path: Path, frame: dict[str, Any], count: int, *, by_angles: bool
+) -> tuple[Letters, list[Finding]]:
+    """Letters of the edges; by_angles: whether fold angles give those that the file lacks."""
     found = frame_list(path, frame, "edges_assignment", [])
     if not found:
-        text = "edges_assignment is missing: mountains and valleys are those of the fold angles."
+        text = (
+            "the file has no assignments (edges_assignment): mountains and valleys are those of "
+            "the fold angles."
+            if by_angles
+            else "the file has neither assignments (edges_assignment) nor fold angles: no crease "
+            "is a mountain or a valley."
+        )
         found_none = _finding("assignment-missing", Severity.WARNING, text)
         return np.full(count, UNLETTERED), [found_none]
     if len(found) != count:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -39,10 +40,10 @@ def read_obj(path: Path) -> ObjMesh:
 
     Raises `InvalidFile` with the line for what cannot be read, and for points that are not finite.
     """
-    lines = source_bytes(path, LARGEST_BYTES).decode("utf-8-sig", "replace").splitlines()
+    text = source_bytes(path, LARGEST_BYTES).decode("utf-8-sig", "replace")
     points: list[list[float]] = []
     faces: list[list[int]] = []
-    for number, line in enumerate(lines, 1):
+    for number, line in _whole_lines(text):
         key, *words = line.split() or [""]
         try:
             if key == "v":
@@ -59,6 +60,22 @@ def read_obj(path: Path) -> ObjMesh:
     if not faces:
         raise InvalidFile(f"{path}: no faces. Export the mesh with its faces (lines f).")
     return ObjMesh(np.array(points).reshape(-1, 3), faces)
+
+
+def _whole_lines(text: str) -> Iterator[tuple[int, str]]:
+    """Lines and where they begin: one that ends in a backslash goes on in the next, as of Rhino.
+
+    Comments do not: folders of Windows end in one.
+    """
+    begun: list[str] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.endswith("\\") and not line.startswith("#"):
+            begun.append(line[:-1])
+            continue
+        yield number - len(begun), " ".join([*begun, line])
+        begun.clear()
+    if begun:
+        yield number - len(begun) + 1, " ".join(begun)
 
 
 def _corner(word: str, count: int) -> int:

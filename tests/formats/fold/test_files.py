@@ -337,6 +337,7 @@ NAN = float("nan")
         ({"vertices_coords": []}, "at least 3 points"),
         ({"vertices_coords": [[0, 0], [1]]}, "alike in length"),
         ({"vertices_coords": [["0", "0"]] * 3}, "must be numbers"),
+        ({"vertices_coords": [[0, 0], [1, False], [1, True]]}, "must be numbers"),
         ({"vertices_coords": [[0, 10**400]] * 3}, "must be numbers"),
         ({"frame_classes": 3}, "frame_classes of frame 0 must be a list"),
         ({"vertices_coords": [[0, 0, 0], [1, 0, 0], [0, NAN, 0]]}, "vertex 2 .* not finite"),

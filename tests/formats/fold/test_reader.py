@@ -191,6 +191,12 @@ def test_a_sound_file_has_no_findings(tmp_path):
             {"U": 1, "B": 6},
         ),
         (changed(edges_assignment=None), "assignment-missing", (), {"V": 1, "B": 6}),
+        (
+            changed(edges_assignment=None, edges_foldAngle=None),
+            "assignment-missing",
+            (),
+            {"U": 1, "B": 6},
+        ),
         (changed(edges_assignment=[*"BBBBBBx"]), "assignment-unknown", (6,), {"U": 1, "B": 6}),
         (changed(edges_assignment=[*"BBBBBBv"]), "assignment-unknown", (6,), {"V": 1, "B": 6}),
         (
@@ -355,6 +361,14 @@ def test_holes_amid_faces_are_found(tmp_path):
 def test_units_become_millimetres(tmp_path, unit, mm):
     pattern, _ = read(tmp_path, changed(frame_unit=unit), mm_per_unit=7.0)
     assert pattern.vertices_coords.max(axis=0) == pytest.approx([2 * mm, mm])
+
+
+def test_a_file_without_letters_and_angles_says_so(tmp_path):
+    _, (told,) = read(tmp_path, changed(edges_assignment=None, edges_foldAngle=None))
+    assert told.code == "assignment-missing"
+    assert "nor fold angles: no crease is a mountain or a valley" in told.text
+    _, (told,) = read(tmp_path, changed(edges_assignment=None))
+    assert "mountains and valleys are those of the fold angles" in told.text
 
 
 ROOF = [[0, 0, 0], [1, 0, 0], [2, 0, 1], [2, 1, 1], [1, 1, 0], [0, 1, 0]]
