@@ -1,18 +1,21 @@
 """Our own sheets with bridges, closed slots, titles and holes give their pattern back."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from flat_patterns import grid
+from flat_patterns import grid, pattern_of
 from helpers import PATTERNS
 
 from fab import read_pattern
 from fab.drawings.drawing_files import SheetFormat
+from fab.errors import Severity
 from fab.jobs.reading import read_any
 from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import scaled
 from fab.sheets.cut_wishes import CutWishes
+from fab.sheets.cutter_settings import CutterSettings
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_request import SheetRequest
 
@@ -49,3 +52,39 @@ def test_a_sheet_with_wishes_gives_its_pattern_back(name, wishes, kind, tmp_path
     again = found.pattern
     assert "colour-unknown" not in {finding.code for finding in found.findings}
     assert lengths(again) == pytest.approx(lengths(pattern), rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", [SheetFormat.DXF, SheetFormat.SVG])
+def test_pieces_side_to_side_all_come_back(kind, tmp_path):
+    """Twelve of two squares each: those in the middle have no line of their own but the crease."""
+    settings = CutterSettings(
+        material="card_300gsm", machine="co2_60w_600x400", shared_cuts=True, copies=12
+    )
+    request = settings.request([kind], page=False)
+    made = fabricate(grid(2, 1, 30.0), "sheet", request)
+    path = tmp_path / f"sheet_1.{kind}"
+    path.write_bytes(made.files[path.name])
+    found = read_any([path])
+    assert {finding.severity for finding in found.findings} == {Severity.NOTE}
+    assert found.pattern.face_count == 24
+    total = lengths(found.pattern)
+    width, height = 60.15, 30.15  # with the kerf
+    assert total["V"] == pytest.approx(12 * height)
+    assert total["C"] >= 17 * height  # in a grid of any shape
+    assert total["B"] + 2 * total["C"] == pytest.approx(12 * 2 * (width + height))
+    again = fabricate(found.pattern, "sheet", replace(request, copies=1))
+    assert len(again.report["pieces"]) == 12
+
+
+def test_gaps_that_pieces_side_to_side_enclose_are_no_pieces(tmp_path):
+    """Nine angles of one crease: with equal sides together, four of them enclose a gap."""
+    corners = np.array([(0, 0), (60, 0), (60, 20), (20, 20), (20, 60), (0, 60)], float)
+    angle = pattern_of(corners, [[0, 1, 2, 3], [0, 3, 4, 5]], "V")
+    settings = CutterSettings(
+        material="card_300gsm", machine="co2_60w_600x400", shared_cuts=True, copies=9
+    )
+    made = fabricate(angle, "sheet", settings.request([SheetFormat.SVG], page=False))
+    (tmp_path / "sheet_1.svg").write_bytes(made.files["sheet_1.svg"])
+    found = read_any([tmp_path / "sheet_1.svg"])
+    assert "hole" in {finding.code for finding in found.findings}
+    assert found.pattern.face_count == 18

@@ -1,24 +1,31 @@
-"""Cuts of our own sheets as they were before they got bridges, or became closed slots."""
+"""Cuts of our own sheets as they were before they got bridges, closed slots or shared sides."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from fab.formats.drawn.dashes import facing
 from fab.formats.drawn.line_soup import LineSoup
-from fab.geometry.rings import is_hole
-from solver.vectors import FloatArray, IntArray
+from fab.geometry.arrangement import arrangement
+from fab.geometry.planar_graph import walks_of, without_dangling
+from fab.geometry.rings import is_hole, ring_areas
+from solver.graphs import labels
+from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["without_bridges", "without_slots"]
+__all__ = ["shared_sides", "without_bridges", "without_slots"]
 
 _DASHED = ("MOUNTAIN", "VALLEY")
 # Sides of a slot.
 _SIDES = 4
 # Bridges are up to 20 mm wide, and the gap is wider by the kerf.
 _WIDEST_GAP_MM = 30.0
+# Outlines nearer to each other than this share a side.
+_SAME_MM = 2e-3
 
 
 def without_slots(
@@ -101,6 +108,55 @@ def without_bridges(
     return whole, tuple(now_closed), bridges
 
 
+def shared_sides(
+    soup: LineSoup, operations: Sequence[str], closed: Sequence[bool]
+) -> tuple[LineSoup, BoolArray, BoolArray]:
+    """The drawing with the outlines of pieces side to side, which share sides that are cut once,
+    split where they meet; which lines are sides around such pieces, and which are between two.
+
+    Cuts that enclose nothing are neither. What has no line within, and pieces that have some on all
+    sides, is a gap that they enclose.
+    """
+    cut = np.array(operations, dtype=object) == "CUT"
+    which = np.flatnonzero(cut[soup.lines_element])
+    is_open = ~np.array(closed, bool)[soup.lines_element[which]]
+    nowhere = np.zeros(len(soup.lines_coords), bool)
+    if not is_open.any():
+        return soup, nowhere, nowhere
+    graph = arrangement(soup.lines_coords[which], _SAME_MM / (soup.mm_per_unit or 1.0))
+    edges = graph.edges_vertices
+    around = np.flatnonzero(without_dangling(edges))
+    part = labels(edges[around], len(graph.vertices_coords))[edges[:, 0]]
+    line, edge = graph.line_pairs
+    opened = np.isin(around, edge[is_open[line]])
+    around = around[np.isin(part[around], part[around[opened]])]
+    if not len(around):
+        return soup, nowhere, nowhere
+    corners, offsets, walk = walks_of(graph.vertices_coords, edges[around])
+    gone = nowhere.copy()
+    gone[which[line[np.isin(edge, around)]]] = True
+    rings = [graph.vertices_coords[corners[i:j]] for i, j in pairwise(offsets.tolist())]
+    marks = shapely.multipoints(soup.lines_coords[~gone].mean(axis=1))
+    piece = ring_areas(graph.vertices_coords[corners], offsets) > 0
+    bare = piece & ~shapely.intersects([shapely.Polygon(ring) for ring in rings], marks)
+    sides = walk.reshape(2, -1)
+    beside_others = piece[sides].all(axis=0) & ~bare[sides].all(axis=0)
+    bare[sides[:, ~beside_others]] = False
+    piece &= ~bare
+    between = piece[sides].all(axis=0)
+    first = which[graph.edges_lines[graph.edges_offsets[around]]]
+    rest, new = _chosen(soup, ~gone), _chosen(soup, first)
+    split = replace(
+        rest,
+        lines_coords=np.concatenate([rest.lines_coords, graph.vertices_coords[edges[around]]]),
+        lines_assignment=np.concatenate([rest.lines_assignment, new.lines_assignment]),
+        lines_foldAngle=np.concatenate([rest.lines_foldAngle, new.lines_foldAngle]),
+        lines_element=np.concatenate([rest.lines_element, new.lines_element]),
+    )
+    before = np.zeros(len(rest.lines_coords), bool)
+    return split, np.append(before, ~between), np.append(before, between)
+
+
 def _arcs(
     soup: LineSoup, operations: Sequence[str], closed: Sequence[bool]
 ) -> dict[int, FloatArray]:
@@ -138,7 +194,7 @@ def _noise(soup: LineSoup) -> float:
     return 2e-6 / (soup.mm_per_unit or 1.0)
 
 
-def _chosen(soup: LineSoup, which: np.ndarray) -> LineSoup:
+def _chosen(soup: LineSoup, which: BoolArray | IntArray) -> LineSoup:
     """Some of the lines."""
     return replace(
         soup,

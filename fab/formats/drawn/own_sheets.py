@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 from fab.errors import Finding, Severity, counted
 from fab.formats.drawn.dashes import extended, facing, of_rows, rows_of
 from fab.formats.drawn.line_soup import Letters, LineSoup
-from fab.formats.drawn.own_cuts import without_bridges, without_slots
+from fab.formats.drawn.own_cuts import shared_sides, without_bridges, without_slots
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["OPERATIONS", "recovered_sheet"]
@@ -55,11 +55,13 @@ def recovered_sheet(
     """
     soup, closed, slots = without_slots(soup, operations, closed)
     soup, closed, bridges = without_bridges(soup, operations, closed)
+    soup, around, between = shared_sides(soup, operations, closed)
     layer = np.array(operations, dtype=object)[soup.lines_element]
     ring = np.array(closed, dtype=bool)[soup.lines_element]
     letters = np.array([_LETTERS.get(str(name), "U") for name in layer.tolist()], dtype="U1")
     outline = ring & np.isin(layer, ["HOLE", "CUT"])
-    letters[outline] = "B"
+    letters[outline | around] = "B"
+    letters[between] = "C"
     one = ring | np.array(bent, dtype=bool)[soup.lines_element]
     label = one & (layer == "ENGRAVE")
     hole = layer == "RELIEF"
@@ -81,6 +83,9 @@ def recovered_sheet(
                     "sheet-addition", Severity.NOTE, f"left out of our own sheet: {count} {name}."
                 )
             )
+    if between.any():
+        text = "pieces of our own sheet that share sides stay side by side, with cuts between them."
+        findings.append(Finding("sheet-addition", Severity.NOTE, text))
     rings = [
         soup.lines_coords[soup.lines_element == e, 0] for e in np.unique(soup.lines_element[hole])
     ]
@@ -100,7 +105,8 @@ def recovered_sheet(
     border = letters == "B"
     if border.any() and crease.any():
         exact = _exact(ends, rows.dashes, letters)
-        half = _half_kerf(ends, crease, border, exact, rings)
+        # sides between pieces have material on both sides, and stay
+        half = None if between.any() else _half_kerf(ends, crease, border, exact, rings)
         if half is None:
             findings.append(
                 Finding(
