@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.spatial import Delaunay
 
@@ -39,6 +41,21 @@ def fan(sides: int, radius: float, letter="M") -> CreasePattern:
     rim = radius * np.column_stack([np.cos(turn), np.sin(turn)])
     faces = [[0, 1 + i, 1 + (i + 1) % sides] for i in range(sides)]
     return pattern_of(np.vstack([[0.0, 0.0], rim]), faces, letter)
+
+
+def fan_of(sectors, letters):
+    """A vertex with these sectors, and the edges of its creases in their order."""
+    turns = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
+    rim = 50 * np.column_stack([np.cos(turns), np.sin(turns)])
+    count = len(sectors)
+    base = pattern_of(
+        np.vstack([[0.0, 0.0], rim]), [[0, 1 + i, 1 + (i + 1) % count] for i in range(count)]
+    )
+    ends = [set(pair) for pair in base.edges_vertices.tolist()]
+    spokes = [ends.index({0, 1 + i}) for i in range(count)]
+    assignment = base.edges_assignment.copy()
+    assignment[spokes] = list(letters)
+    return replace(base, edges_assignment=assignment), spokes
 
 
 def grid(columns: int, rows: int, size: float, without=(), cuts=()) -> CreasePattern:

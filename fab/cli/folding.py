@@ -135,10 +135,15 @@ def simulate(
             _require_none(file, options, size)
         name = plain_title(file.stem) if job is None else job.name
         if chosen is not Solver.QUASI_STATIC and (contact or thickness_mm is not None):
-            raise InvalidJob("--contact is of the quasi-static solver: leave out the other one.")
-        given = {"contact": contact, "thickness_mm": thickness_mm}
+            given = "--contact" if contact else f"--thickness-mm {thickness_mm:g}"
+            other = "--rigid" if chosen is Solver.RIGID else f"--solver {chosen}"
+            raise InvalidJob(
+                f"{given} and {other}: only the quasi-static solver, the default, knows contact. "
+                "Leave out one of them."
+            )
+        held = {"contact": contact, "thickness_mm": thickness_mm}
         settings = with_loads(_settings(job, states), loads).model_copy(
-            update={key: value for key, value in given.items() if value is not None}
+            update={key: value for key, value in held.items() if value is not None}
         )
         if material is None and job is not None and job.cutter is not None:
             material = job.cutter.material
@@ -330,11 +335,13 @@ def _summary(report: Mapping[str, Any]) -> Iterator[str]:
         reached = "cannot lie flat, though its angles are reached"
     elif verdict["kind"] == "is-stopped" and verdict["reached"]:
         reached = "only if its faces pass through each other it comes to its target"
-    yield (
+    figures = (
         f"{reached}: "
         + (f"shape off by {far:.1e} of the diagonal, " if far is not None else "")
-        + f"creases by at most {verdict['angle_error_max_deg']:.2g} degrees, strain "
+        + f"creases by at most {verdict['angle_error_max_deg']:.3g} degrees, strain "
         f"{verdict['strain_max']:.2g} (on the way {verdict['peak_strain']:.2g})"
     )
+    if verdict["kind"] != "nothing-folds":
+        yield figures
     if "loads" in report:
         yield report["loads"]["text"]

@@ -14,17 +14,17 @@ FOLDING = (
         "Angles do not close, the sheet locks, or it comes to rest elsewhere. It is an error in "
         "`simulate`; for "
         "thick panels a note where the folded form is known, a warning where it is not.",
-        "Correct the vertex that the text names, take more --states, or give --rigid for angles "
-        "that close.",
+        "Correct the vertex that the text names, take more --states, or give --rigid and "
+        "--fold-deg for angles that close.",
     ),
     Explanation(
         "angles-do-not-close",
         (ERROR,),
         "The fold angles around a vertex contradict each other.",
-        "An angle is wrong, or the vertex is a little off its place; of creases that fold by 180 "
-        "degrees it is the vertex.",
-        "Correct the angle or move the vertex, as the text says, or give --rigid for angles "
-        "that close.",
+        "An angle is wrong, fewer than 4 creases fold there, or the vertex is a little off its "
+        "place; of creases that fold by 180 degrees it is the vertex, or the sectors between them.",
+        "Correct the angle, draw the missing crease or move the vertex, as the text says, or give "
+        "--rigid and --fold-deg for angles that close.",
     ),
     Explanation(
         "folded-form-differs",

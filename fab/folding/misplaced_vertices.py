@@ -3,6 +3,7 @@
 To first order, the rotations around a vertex change by the turns of its creases in the sheet, and
 these by where their ends are. The moves of all vertices that do not close are sought together, as
 few and as small as close all of them: a vertex that is off its place opens its neighbours as well.
+Where no move of theirs helps, as where two straight lines cross, the ends of their creases are off.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from fab.pattern.sectors import Sectors, sectors_of
 from solver.graphs import labels
 from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["Misplaced", "misplaced_vertices"]
+__all__ = ["Misplaced", "OpenVertex", "misplaced_vertices", "open_vertex"]
 
 # Moves beyond this share of the sheet's diagonal say nothing: angles are wrong.
 _FARTHEST = 5e-3
@@ -43,7 +44,8 @@ class Misplaced:
     Attributes
     ----------
     closure_rad : by how much the turns around it miss the identity.
-    distance_mm : by how much it is moved where all vertices close; 0 where others are off.
+    distance_mm : by how much it is moved where all vertices close, or else an end of its creases; 0
+        where others are off.
     kawasaki_deg : alternating sum of its sectors, where all its creases fold by 180 degrees, whose
         angles are right then; None otherwise.
     """
@@ -51,6 +53,22 @@ class Misplaced:
     vertex: int
     closure_rad: float
     distance_mm: float
+    kawasaki_deg: float | None
+
+
+@dataclass(frozen=True)
+class OpenVertex:
+    """What there is around a vertex that does not close.
+
+    Attributes
+    ----------
+    creases : number of its creases that fold. flat : whether all of these fold by 180 degrees.
+    kawasaki_deg : as of `Misplaced`.
+    """
+
+    vertex: int
+    creases: int
+    flat: bool
     kawasaki_deg: float | None
 
 
@@ -74,13 +92,19 @@ def misplaced_vertices(pattern: CreasePattern, vertices: IntArray) -> list[Mispl
         distance[own] = _distances(pattern, vertices[own])
     missed = vertices_closure_rad(pattern)[vertices]
     sectors = sectors_of(pattern, _creases(pattern))
+    around = [_around(pattern, sectors, vertex) for vertex in vertices.tolist()]
+    for number in np.flatnonzero(np.isnan(distance)).tolist():
+        distance[number] = _of_an_end_mm(pattern, sectors, around[number])
     return [
-        Misplaced(
-            int(vertex), float(miss), float(far), _kawasaki_deg(pattern, sectors, int(vertex))
-        )
-        for vertex, miss, far in zip(vertices, missed, distance, strict=True)
+        Misplaced(each.vertex, float(miss), float(far), each.kawasaki_deg)
+        for each, miss, far in zip(around, missed, distance, strict=True)
         if np.isfinite(far)
     ]
+
+
+def open_vertex(pattern: CreasePattern, vertex: int) -> OpenVertex:
+    """What there is around a vertex that does not close. Cuts must be open."""
+    return _around(pattern, sectors_of(pattern, _creases(pattern)), vertex)
 
 
 def _distances(pattern: CreasePattern, vertices: IntArray) -> FloatArray:
@@ -168,12 +192,29 @@ def _creases(pattern: CreasePattern) -> BoolArray:
     return out
 
 
-def _kawasaki_deg(pattern: CreasePattern, sectors: Sectors, vertex: int) -> float | None:
-    """Alternating sum of the sectors of a vertex whose creases all fold by 180 degrees."""
+def _around(pattern: CreasePattern, sectors: Sectors, vertex: int) -> OpenVertex:
     ends = slice(*np.searchsorted(sectors.vertices, [vertex, vertex + 1]))
     edges = sectors.edges[ends]
-    flat = np.abs(np.abs(pattern.edges_foldAngle[edges]) - 180) <= FLAT_ANGLE_DEG
-    if len(edges) % 2 or not flat.all():
-        return None
+    off = np.abs(np.abs(pattern.edges_foldAngle[edges]) - 180)
+    flat = bool((off <= FLAT_ANGLE_DEG).all())
+    if len(edges) % 2 or not flat:
+        return OpenVertex(vertex, len(edges), flat, None)
     sign = np.where(np.arange(len(edges)) % 2, -1.0, 1.0)
-    return float(np.degrees(abs(sign @ sectors.angles[ends])))
+    missed = float(np.degrees(abs(sign @ sectors.angles[ends])))
+    return OpenVertex(vertex, len(edges), flat, missed)
+
+
+def _of_an_end_mm(pattern: CreasePattern, sectors: Sectors, around: OpenVertex) -> float:
+    """By how much the end of the shortest crease is off, if Kawasaki's condition is missed by that.
+
+    NaN where it is not known to be so, and where that is far: a crease that turns in the sheet
+    changes two sectors.
+    """
+    if not around.kawasaki_deg:
+        return np.nan
+    ends = slice(*np.searchsorted(sectors.vertices, [around.vertex, around.vertex + 1]))
+    tips = pattern.edges_vertices[sectors.edges[ends]].sum(axis=1) - around.vertex
+    arm = pattern.vertices_coords[tips] - pattern.vertices_coords[around.vertex]
+    distance = float(np.radians(around.kawasaki_deg) / 2 * np.hypot(*arm.T).min())
+    size = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
+    return distance if distance <= _FARTHEST * size else np.nan

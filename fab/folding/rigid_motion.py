@@ -160,7 +160,8 @@ class RigidMotion:
             case RigidVerdict.FOLDS:
                 return f"folds rigidly{ways}, {driven}"
             case RigidVerdict.MISSES:
-                return f"folds rigidly{ways}, but no motion to its target is found: {driven}"
+                target = "no motion from there to its target is found"
+                return f"folds rigidly{ways}, {driven}, but {target}"
             case RigidVerdict.BENDS if freedom is not None and freedom.count:
                 return f"bends on its way: it moves with flat faces{ways}, but not from flat"
             case RigidVerdict.BENDS if freedom is not None:
@@ -168,7 +169,7 @@ class RigidMotion:
             case RigidVerdict.BENDS:
                 return f"bends on its way: no state with flat faces is found between{missed}"
             case RigidVerdict.FLAT:
-                return "no crease folds"
+                return f"no crease folds{_unassigned(self.creases.frame)}"
             case RigidVerdict.UNSOUGHT:
                 return f"over {_MOST_CREASES:,} creases: no rigid motion was sought"
         return f"no folded state with flat faces is found{missed}"
@@ -216,6 +217,15 @@ def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> Rigi
     reached = reached and target is not None
     verdict = RigidVerdict.FOLDS if reached else RigidVerdict.MISSES
     return RigidMotion(verdict, creases, np.concatenate([path, up[1:]]), freedom)
+
+
+def _unassigned(frame: Framework) -> str:
+    """Such as ": 4 are unassigned (U), give them letters M and V"; empty without such creases."""
+    sheet = frame.sheet.pattern
+    free = unknown_angles(sheet) & (sheet.edges_assignment == "U") & sheet.edges_joining
+    count = int(free.sum())
+    are = "is" if count == 1 else "are"
+    return f": {count} {are} unassigned (U), give letters M and V" if count else ""
 
 
 def _target(creases: RigidCreases) -> FloatArray | None:

@@ -14,7 +14,12 @@ from fab.folding.contact.past_contact import fold_past_contact
 from fab.folding.dynamics import fold_dynamically
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.folding_path import closing_path
-from fab.folding.misplaced_vertices import Misplaced, misplaced_vertices
+from fab.folding.misplaced_vertices import (
+    Misplaced,
+    OpenVertex,
+    misplaced_vertices,
+    open_vertex,
+)
 from fab.folding.quasi_static import Checkpoint, Folding, fold
 from fab.folding.rigid_findings import findings_of_fold
 from fab.folding.rigid_folding import RigidFold, fold_rigidly
@@ -85,7 +90,7 @@ def fold_and_judge(
         )
     findings = [
         *inspect_form(frame, tolerance),
-        *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
+        *findings_of(verdict, tolerance, _misplaced(frame, verdict), _worst(frame, verdict)),
         *held,
         *_thickness_unused(settings, solver),
     ]
@@ -141,7 +146,7 @@ def fold_rigidly_and_judge(
     progress("judge", 1, 1)
     findings = [
         *inspect_form(frame, tolerance),
-        *findings_of(verdict, tolerance, _misplaced(frame, verdict)),
+        *findings_of(verdict, tolerance, _misplaced(frame, verdict), _worst(frame, verdict)),
         *findings_of_fold(motion, made, fold_flat),
         *_thickness_unused(settings, Solver.RIGID),
     ]
@@ -154,6 +159,15 @@ def _misplaced(frame: Framework, verdict: Verdict) -> list[Misplaced]:
     own = np.flatnonzero(np.isin(source, verdict.open_vertices))
     found = misplaced_vertices(frame.sheet.pattern, own)
     return [replace(each, vertex=int(source[each.vertex])) for each in found]
+
+
+def _worst(frame: Framework, verdict: Verdict) -> OpenVertex | None:
+    """The vertex that misses most, by its number in the pattern; None where all close."""
+    if not verdict.open_vertices:
+        return None
+    number = verdict.open_vertices[0]
+    own = int(np.flatnonzero(frame.sheet.vertices_source == number)[0])
+    return replace(open_vertex(frame.sheet.pattern, own), vertex=number)
 
 
 def _along_a_path(

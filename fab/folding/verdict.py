@@ -15,8 +15,9 @@ import numpy as np
 
 from fab.errors import Finding, Severity, counted, first_few
 from fab.folding.bar_hinge_model import Framework
+from fab.folding.contact.contact_fold import REACH_LAST
 from fab.folding.contact.stops import Stop
-from fab.folding.misplaced_vertices import Misplaced
+from fab.folding.misplaced_vertices import Misplaced, OpenVertex
 from fab.folding.quasi_static import Folding, FoldState
 from fab.folding.target_forms import distance_rel, target_form
 from fab.folding.tolerance import Tolerance
@@ -25,11 +26,27 @@ from fab.pattern.kinematics import unknown_angles
 from solver.self_intersection import crossing_faces
 from solver.vectors import FloatArray, IntArray
 
-__all__ = ["PathPoint", "Verdict", "enough_deg", "findings_of", "folded_form", "judge"]
+__all__ = [
+    "ANOTHER_PATH",
+    "NEARLY_DEG",
+    "PathPoint",
+    "Verdict",
+    "enough_deg",
+    "findings_of",
+    "folded_form",
+    "judge",
+]
 
 _DEFAULT = Tolerance()
+# A fold that misses by less nearly gets there.
+NEARLY_DEG = 2.0
+# Why a sheet does not reach its target, where nothing else is known.
+ANOTHER_PATH = "Its angles close, so there may be another path to the target: take more steps."
 # A text names up to this many vertices.
 _SHOWN = 5
+# Faces around a vertex stay flat where at least this many creases fold, which are not all in one
+# straight line.
+_FEWEST = 4
 
 
 @dataclass(frozen=True)
@@ -108,13 +125,17 @@ class Verdict:
     stopped: Stop | None = None
     layers_rel: float = 0.0
 
+    def closes(self, tolerance: Tolerance) -> bool:
+        """Whether the rotations around its vertices and holes close, as far as angles are known."""
+        return self.closure_max_rad <= tolerance.closure_rad
+
     @property
     def in_local_minimum(self) -> bool:
         """Whether the fold got stuck: creases are off their angles, though all are known and close.
 
         Angles that close have a state without energy, so the one that was found is a local minimum.
         """
-        closes = self.closure_max_rad <= _DEFAULT.closure_rad and self.gap_rel <= _DEFAULT.shape_rel
+        closes = self.closes(_DEFAULT) and self.gap_rel <= _DEFAULT.shape_rel
         return bool(self.off_creases) and not self.free and closes
 
     def report(self) -> dict[str, Any]:
@@ -184,18 +205,21 @@ def folded_form(
 
 
 def findings_of(
-    verdict: Verdict, tolerance: Tolerance = _DEFAULT, misplaced: Sequence[Misplaced] = ()
+    verdict: Verdict,
+    tolerance: Tolerance = _DEFAULT,
+    misplaced: Sequence[Misplaced] = (),
+    worst: OpenVertex | None = None,
 ) -> list[Finding]:
     """What a user should know of a verdict.
 
     tolerance : that of the verdict. misplaced : those of its open vertices that are off their
-    places (`misplaced_vertices`).
+    places (`misplaced_vertices`). worst : the one that misses most (`open_vertex`).
     """
     found = [
         _target_not_reached(verdict, tolerance, misplaced),
         _nothing_to_fold(verdict),
         _creases_free(verdict),
-        _angles_do_not_close(verdict, misplaced),
+        _angles_do_not_close(verdict, misplaced, worst),
         _folds_in_turn(verdict),
         _crosses_on_the_way(verdict),
         _strained_on_the_way(verdict, tolerance),
@@ -224,7 +248,7 @@ def _target_not_reached(
 
 def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced]) -> str:
     """Why a sheet does not reach its target, as far as the verdict shows it."""
-    if verdict.closure_max_rad > tolerance.closure_rad and not verdict.open_vertices:
+    if not (verdict.closes(tolerance) or verdict.open_vertices):
         return f"Its angles miss each other by {verdict.closure_max_rad:.3g} rad around a hole."
     if misplaced and len(misplaced) == len(verdict.open_vertices):
         flat = all(each.kawasaki_deg is not None for each in misplaced)
@@ -232,12 +256,11 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
         if not flat:
             cause = "Its angles close but for vertices that are"
         off = max(each.distance_mm for each in misplaced)
-        return (
-            f"{cause} off by up to about {off:.2g} mm: --tolerance-deg {enough_deg(verdict):g} "
-            "accepts that."
-        )
+        enough = enough_deg(verdict)
+        cure = f"--tolerance-deg {enough:g} accepts that" if enough <= NEARLY_DEG else "move them"
+        return f"{cause} off by up to about {off:.2g} mm: {cure}."
     if verdict.open_vertices:
-        return "Its angles do not close: see open_vertices."
+        return f"Its angles do not close around {_open_vertices(verdict)}: see angles-do-not-close."
     if verdict.free:
         return (
             f"{_free_creases(verdict)}, U without an angle or slits: give those that fold M or V "
@@ -247,7 +270,9 @@ def _cause(verdict: Verdict, tolerance: Tolerance, misplaced: Sequence[Misplaced
         return f"Its faces miss each other by {verdict.gap_rel:.2%} of the diagonal around a hole."
     if verdict.stopped is not None:
         return "Its angles close, but its faces keep it from them: see stopped-by-contact."
-    return "Its angles close, so there may be another path to the target: take more steps."
+    if verdict.layers_rel > REACH_LAST:
+        return "Its angles close, but its layers take too much room: try a lower thickness_mm."
+    return ANOTHER_PATH
 
 
 def enough_deg(verdict: Verdict) -> float:
@@ -267,6 +292,8 @@ def _nothing_to_fold(verdict: Verdict) -> Finding | None:
     if verdict.driven:
         return None
     text = "no crease has an angle other than 0: the sheet stays flat."
+    if verdict.free:
+        text += f" {_free_creases(verdict)}, U without an angle or slits: give letters M and V."
     return Finding("nothing-to-fold", Severity.WARNING, text)
 
 
@@ -277,23 +304,58 @@ def _creases_free(verdict: Verdict) -> Finding | None:
     return Finding("creases-free", Severity.NOTE, text)
 
 
-def _angles_do_not_close(verdict: Verdict, misplaced: Sequence[Misplaced]) -> Finding | None:
+def _angles_do_not_close(
+    verdict: Verdict, misplaced: Sequence[Misplaced], worst: OpenVertex | None
+) -> Finding | None:
     count = len(verdict.open_vertices)
     if not count:
         return None
-    around = f"vertex {verdict.open_vertices[0]}"
-    if count > 1:
-        first = ", ".join(map(str, verdict.open_vertices[:_SHOWN]))
-        around = f"{count} vertices ({'first ' if count > _SHOWN else ''}{first})"
     text = (
-        f"the fold angles do not close around {around}: by up to {verdict.closure_max_rad:.3g} rad."
+        f"the fold angles do not close around {_open_vertices(verdict)}: by up to "
+        f"{verdict.closure_max_rad:.3g} rad."
     )
     if len(misplaced) < count:
-        text += f" One of {'its' if count == 1 else 'their'} creases has a wrong angle: "
-        text += "correct it, or give --rigid for angles that close."
+        text += f" {_why_open(count, worst)}"
     if misplaced:
         text += _nearest_move(misplaced)
     return Finding("angles-do-not-close", Severity.ERROR, text)
+
+
+def _open_vertices(verdict: Verdict) -> str:
+    """Such as "vertex 7", or "6 vertices (first 7, 2, 3, 4, 5)"."""
+    count = len(verdict.open_vertices)
+    if count == 1:
+        return f"vertex {verdict.open_vertices[0]}"
+    first = ", ".join(map(str, verdict.open_vertices[:_SHOWN]))
+    return f"{count} vertices ({'first ' if count > _SHOWN else ''}{first})"
+
+
+def _why_open(count: int, worst: OpenVertex | None) -> str:
+    """Why vertices that are at their places do not close: of several, the one that misses most."""
+    angles = "give --rigid and --fold-deg for angles that close."
+    if worst is None:
+        their = "its" if count == 1 else "their"
+        return f"One of {their} creases has a wrong angle: correct it, or {angles}"
+    where = f"vertex {worst.vertex}"
+    if worst.creases < _FEWEST:
+        folds = f"{counted(worst.creases, 'crease')} {'folds' if worst.creases == 1 else 'fold'}"
+        return (
+            f"Only {folds} at {where}: faces around a vertex stay flat where {_FEWEST} or more "
+            "fold, or 2 in one straight line, by one angle. Draw what is missing, or let it stay "
+            "flat (F)."
+        )
+    if worst.flat and worst.kawasaki_deg is None:
+        return (
+            f"{worst.creases} creases fold by 180 degrees at {where}: flat-folded it has an even "
+            f"number of them. Draw the missing one, or {angles}"
+        )
+    if worst.kawasaki_deg is not None:
+        return (
+            f"All creases fold by 180 degrees at {where}, but the sectors between them miss "
+            f"Kawasaki's condition by {worst.kawasaki_deg:.2g} degrees: turn one of them in the "
+            f"sheet by half of that, or {angles}"
+        )
+    return f"A crease of {where} has a wrong angle: correct it, or {angles}"
 
 
 def _nearest_move(misplaced: Sequence[Misplaced]) -> str:

@@ -20,15 +20,13 @@ from fab.folding.misplaced_vertices import misplaced_vertices
 from fab.folding.quasi_static import Folding
 from fab.folding.rigid_motion import RigidMotion, RigidVerdict
 from fab.folding.tolerance import Tolerance
-from fab.folding.verdict import Verdict, enough_deg
+from fab.folding.verdict import NEARLY_DEG, Verdict, enough_deg
 
 __all__ = ["Barrier", "Bearer", "VerdictKind", "VerdictWords", "energy_barrier", "in_words"]
 
 # A fold snaps where the energy of its sheet rises to this share of that of folding all creases, and
 # falls to less than half of it. Shipped designs that bend on their way stay below 0.6 of it.
 _SNAP = 1e-2
-# A fold that misses by less nearly gets there.
-_NEARLY_DEG = 2.0
 # Faces that bend by a smaller share of the sheet are flat.
 _FLAT_REL = 1e-6
 # A sentence names up to so many sheets.
@@ -176,7 +174,7 @@ def in_words(
         kind = VerdictKind.VERTICES_OFF
     if kind is not VerdictKind.MISSES and _text_of(findings, VerdictKind.UNORDERED, errors=True):
         kind = VerdictKind.UNORDERED
-    elif _text_of(findings, _STOPPED):
+    elif verdict.closes(tolerance) and _text_of(findings, _STOPPED):
         kind = VerdictKind.STOPPED
     made = VerdictWords(kind, off, bend, barrier, tuple(sheets), strains)
     if kind is VerdictKind.VERTICES_OFF:
@@ -206,7 +204,7 @@ def _kind(
 
 def _vertices_off(folding: Folding, verdict: Verdict) -> str:
     """That a fold nearly gets there, and misses by vertices off their places; else empty."""
-    if not verdict.open_vertices or enough_deg(verdict) > _NEARLY_DEG:
+    if not verdict.open_vertices or enough_deg(verdict) > NEARLY_DEG:
         return ""
     sheet = folding.frame.sheet
     own = np.flatnonzero(np.isin(sheet.vertices_source, verdict.open_vertices))

@@ -6,21 +6,21 @@ What `simulate`, the simulation of a job and the studio say of a sheet is from h
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from fab.errors import Finding
+from fab.errors import Finding, Severity
 from fab.folding.fold_settings import FoldSettings
 from fab.folding.quasi_static import Checkpoint, Folding
 from fab.folding.rigid_findings import with_motion
 from fab.folding.rigid_motion import RigidMotion, rigid_motion
 from fab.folding.simulation import Solver, fold_and_judge
 from fab.folding.tolerance import Tolerance
-from fab.folding.verdict import Verdict
+from fab.folding.verdict import ANOTHER_PATH, Verdict
 from fab.folding.verdict_words import VerdictWords, in_words
 from fab.jobs.bearing_sheets import bearing_sheets
 from fab.layers.layer_findings import inspect_layers
-from fab.layers.layer_orders import LayerOrders, layer_orders
+from fab.layers.layer_orders import FoldsFlat, LayerOrders, layer_orders
 from fab.pattern.crease_pattern import CreasePattern
 from fab.progress import Progress, silent
 from solver.vectors import IntArray
@@ -129,9 +129,27 @@ def judged_sheet(
     """
     progress("layers", 0, 1)
     layers = layer_orders(pattern, face_orders)
-    every = (*findings, *inspect_layers(layers))
+    every = (*_with_layers(findings, verdict, layers), *inspect_layers(layers))
     words = in_words(folding, verdict, motion, every, bearing_sheets(material), tolerance)
     return SimulatedSheet(folding, shown or folding, verdict, words, motion, layers, every)
+
+
+def _with_layers(
+    findings: Sequence[Finding], verdict: Verdict, layers: LayerOrders | None
+) -> list[Finding]:
+    """The findings of a simulation, without the hope of another path where layers have no order."""
+    if layers is None or layers.folds_flat is not FoldsFlat.NO or layers.assumed:
+        return list(findings)
+    no_order = "Its layers have no order: see cannot-lie-flat."
+    return [
+        replace(finding, text=finding.text.replace(ANOTHER_PATH, no_order))
+        for finding in findings
+        if not (
+            verdict.reached
+            and finding.code == "stopped-by-contact"
+            and finding.severity is Severity.WARNING
+        )
+    ]
 
 
 def sentences(report: Mapping[str, Any]) -> Iterator[str]:

@@ -95,7 +95,10 @@ class LayerOrders:
         number = f"{self.states:.3g}" if self.states > _MANY else str(self.states)
         least = "" if self.states_exact else "at least "
         orders = "order" if number == "1" else "orders"
-        return f"folds flat: yes, its layers have {least}{number} {orders}"
+        either = ""
+        if self.assumed:
+            either = f", with {counted(self.assumed, 'unassigned crease')} folded to either side"
+        return f"folds flat: yes, its layers have {least}{number} {orders}{either}"
 
     def report(self) -> dict[str, Any]:
         """As JSON values: the first 20 faces and parts, and KEY_count for all."""

@@ -350,6 +350,15 @@ def test_a_thickness_of_the_order_of_the_panels_stops_a_sheet():
     assert verdict.strain_max > 0.01
 
 
+def test_layers_that_settle_off_their_target_are_said_to_take_the_room():
+    pattern = folded_strip([20.0] * 5, [-180.0, 180.0, -180.0, 180.0], width=30.0)
+    _, verdict, findings = fold_and_judge(pattern, FoldSettings(thickness_mm=5.0))
+    assert not verdict.reached
+    assert verdict.stopped is None
+    (missed,) = [each for each in findings if each.code == "target-not-reached"]
+    assert missed.text.endswith("its layers take too much room: try a lower thickness_mm.")
+
+
 def test_four_equal_panels_roll_up_with_ends_in_their_creases(monkeypatch):
     pattern = folded_strip([10.0] * 4, [-180.0] * 3, width=10.0)
     folding, verdict, findings = fold_and_judge(pattern, FoldSettings())

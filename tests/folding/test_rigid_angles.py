@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flat_patterns import grid, pattern_of, triangles
+from flat_patterns import fan_of, grid, triangles
 from helpers import PATTERNS
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,21 +15,6 @@ from fab.pattern.crease_pattern import crease_pattern
 from fab.pattern.development import develop
 from fab.pattern.kinematics import fold_by_angles, vertices_closure_rad
 from solver import InvalidValue, Miura
-
-
-def fan_of(sectors, letters):
-    """A vertex with these sectors, and the edges of its creases in their order."""
-    turns = np.concatenate([[0.0], np.cumsum(sectors)[:-1]])
-    rim = 50 * np.column_stack([np.cos(turns), np.sin(turns)])
-    count = len(sectors)
-    base = pattern_of(
-        np.vstack([[0.0, 0.0], rim]), [[0, 1 + i, 1 + (i + 1) % count] for i in range(count)]
-    )
-    ends = [set(pair) for pair in base.edges_vertices.tolist()]
-    spokes = [ends.index({0, 1 + i}) for i in range(count)]
-    assignment = base.edges_assignment.copy()
-    assignment[spokes] = list(letters)
-    return replace(base, edges_assignment=assignment), spokes
 
 
 def require_rigid(made, fold_deg):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from flat_patterns import fan
+from flat_patterns import fan, fan_of, grid
 from helpers import PATTERNS
 from load_references import quads
 
@@ -18,6 +18,7 @@ from fab.folding.rigid_motion import rigid_motion
 from fab.folding.simulation import fold_and_judge
 from fab.folding.verdict_words import Bearer, VerdictKind, in_words
 from fab.jobs.bearing_sheets import bearing_sheets
+from fab.layers.layer_orders import layer_orders
 from fab.pattern.crease_pattern import scaled
 from fab.pattern.kinematics import vertices_closure_rad
 
@@ -78,7 +79,7 @@ def test_sheets_that_do_not_get_there_say_why_and_flat_ones_that_nothing_folds()
     words = worded(replace(pattern, edges_foldAngle=angle))
     assert words.kind is VerdictKind.MISSES
     assert words.text.startswith("does not reach its target: ")
-    assert words.text.endswith("Its angles do not close: see open_vertices")
+    assert words.text.endswith("see angles-do-not-close")
     flat = worded(replace(pattern, edges_foldAngle=np.zeros(len(angle))))
     assert flat.kind is VerdictKind.NOTHING
 
@@ -107,6 +108,78 @@ def test_what_contact_and_layers_found_comes_first():
     held = in_words(folding, short, motion, told)
     assert held.kind is VerdictKind.STOPPED
     assert held.text == "is stopped on its way: faces 3 and 4 press on each other"
+
+
+def folded_vertex(sectors_deg, angles_deg):
+    """A vertex with these sectors and fold angles."""
+    letters = ["V" if angle > 0 else "M" if angle < 0 else "F" for angle in angles_deg]
+    pattern, spokes = fan_of(np.radians(sectors_deg), letters)
+    angle = np.zeros(len(pattern.edges_vertices))
+    angle[spokes] = angles_deg
+    return replace(pattern, edges_foldAngle=angle)
+
+
+@pytest.mark.parametrize(
+    ("sectors", "angles", "said"),
+    [
+        ([120, 120, 120], [90, 90, 90], "Only 3 creases fold at vertex 0"),
+        ([120, 120, 120], [180, 180, -180], "Only 3 creases fold at vertex 0"),
+        ([72] * 5, [180, 180, -180, 180, 180], "5 creases fold by 180 degrees at vertex 0"),
+        ([60, 95, 115, 90], [-180, 180, 180, 180], "Kawasaki's condition by 10 degrees"),
+        ([60, 90, 120, 90], [-60, 90, 60, 90], "A crease of vertex 0 has a wrong angle"),
+    ],
+)
+def test_why_a_vertex_does_not_close_is_said_and_no_contact_is_blamed(sectors, angles, said):
+    _, verdict, findings = fold_and_judge(folded_vertex(sectors, angles), FoldSettings(steps=5))
+    assert verdict.open_vertices == (0,)
+    (told,) = [each for each in findings if each.code == "angles-do-not-close"]
+    assert said in told.text
+    assert "stopped-by-contact" not in {each.code for each in findings}
+    pattern = folded_vertex(sectors, angles)
+    _, _, findings = fold_and_judge(pattern, FoldSettings(steps=5, contact=True))
+    for each in findings:
+        assert "keep it from its target" not in each.text
+    assert worded(pattern).kind is VerdictKind.MISSES
+
+
+def test_a_map_drawn_with_few_digits_is_off_by_what_its_sectors_miss():
+    """Where straight lines cross no move of the vertex helps: an end of a line is off."""
+    pattern = grid(2, 2, 20.0)
+    letters = pattern.edges_assignment.copy()
+    (mountain,) = np.flatnonzero((np.sort(pattern.edges_vertices, axis=1) == [4, 5]).all(axis=1))
+    letters[mountain] = "M"
+    angle = np.where(letters == "V", 180.0, np.where(letters == "M", -180.0, 0.0))
+    coords = pattern.vertices_coords.copy()
+    coords[5, 1] += 0.02
+    drawn = replace(
+        pattern, edges_assignment=letters, edges_foldAngle=angle, vertices_coords=coords
+    )
+    (found,) = misplaced_vertices(drawn, np.array([4]))
+    assert found.distance_mm == pytest.approx(0.02, rel=1e-3)
+    assert found.kawasaki_deg == pytest.approx(2 * np.degrees(0.02 / 20), rel=1e-3)
+    words = worded(drawn)
+    assert words.kind is VerdictKind.VERTICES_OFF
+    assert "up to about 0.02 mm (vertex 4): --tolerance-deg 0.2 accepts that" in words.text
+    far = pattern.vertices_coords + np.where(np.arange(9) == 5, 5.0, 0.0)[:, None] * [0.0, 1.0]
+    assert misplaced_vertices(replace(drawn, vertices_coords=far), np.array([4])) == []
+
+
+def test_patterns_of_unassigned_creases_say_that_letters_are_missing():
+    pattern = grid(2, 2, 20.0)
+    letters = np.where(pattern.edges_assignment == "V", "U", "B")
+    free = replace(pattern, edges_assignment=letters, edges_foldAngle=np.zeros(len(letters)))
+    _, _, findings = fold_and_judge(free, FoldSettings(steps=1))
+    (told,) = [each for each in findings if each.code == "nothing-to-fold"]
+    assert "4 creases turn freely" in told.text
+    assert "give letters M and V" in told.text
+    assert rigid_motion(free).sentence() == (
+        "no crease folds: 4 are unassigned (U), give letters M and V"
+    )
+    assert layer_orders(free).text() == (
+        "folds flat: yes, its layers have 8 orders, with 4 unassigned creases folded to either side"
+    )
+    flat = replace(free, edges_assignment=np.where(letters == "U", "F", "B"))
+    assert rigid_motion(flat).sentence() == "no crease folds"
 
 
 @pytest.mark.parametrize("radius", [50.0, 200.0])

@@ -159,6 +159,8 @@ def test_progress_is_reported_and_ends():
         (["--states", "100000"], "steps"),
         (["--only", "mp4"], "--only 'mp4'"),
         (["--solver", "magic"], "quasi-static"),
+        (["--contact", "--solver", "dynamic"], "--contact and --solver dynamic: "),
+        (["--thickness-mm", "0.3", "--rigid"], "--thickness-mm 0.3 and --rigid: "),
     ],
 )
 def test_bad_arguments_are_refused(tmp_path, arguments, message):
@@ -315,6 +317,18 @@ def test_a_sheet_that_cannot_lie_flat_is_not_said_to_fold(tmp_path):
         assert done.exit_code == 1
         assert "folds flat: no, because of faces 0, 1 and 2" in done.output
         assert "folds to its target" not in done.output
+        assert "Another order" not in done.output  # no other gets there
+
+
+def test_a_sheet_without_an_order_of_layers_has_no_hope_of_another_path():
+    twice = grid(2, 2, 20.0)
+    letters = twice.edges_assignment
+    found = simulate(
+        replace(twice, edges_foldAngle=np.where(letters == "V", 180.0, 0.0)), "map", formats=[]
+    ).report
+    assert found["layers"]["folds_flat"] == "no"
+    (missed,) = (each for each in found["findings"] if each["code"] == "target-not-reached")
+    assert missed["text"].endswith("Its layers have no order: see cannot-lie-flat.")
 
 
 def test_a_sheet_that_lies_flat_has_the_orders_of_all_its_faces(tmp_path):

@@ -298,7 +298,7 @@ def test_where_counting_ends_a_lower_bound_is_given(monkeypatch):
     monkeypatch.setattr(solution, "_WRITTEN", 50)
     found = layer_orders(folded(square_map(3, 3)))
     assert (found.states, found.states_exact) == (50, False)
-    assert found.text() == "folds flat: yes, its layers have at least 50 orders"
+    assert found.text().startswith("folds flat: yes, its layers have at least 50 orders")
 
 
 def test_vertices_that_are_off_leave_layers_undecided_or_right(monkeypatch):

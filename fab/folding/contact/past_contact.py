@@ -42,7 +42,8 @@ def fold_past_contact(
 
     All creases at once, then in other orders (`fold_orders`, up to 300 hinges), if the fold without
     contact reaches its target. Where none does, that of all creases at once is given with
-    `settings.in_contact`; else that without contact, with the stop of the other.
+    `settings.in_contact`; else that without contact, with the stop of the other, unless its angles
+    do not close.
 
     A fold that takes too much work, such as that of a long ribbon in many layers, is given up, and
     a finding says how far it came; so are further orders.
@@ -86,7 +87,10 @@ def fold_past_contact(
         held = [_in_contact(tried)] if crossed else []
         return made, replace(judged, iterations=iterations), held
     stop = first.stopped and replace(first.stopped, orders=tried)
-    findings = [] if stop is None else [_stopped(stop, settings, verdict.reached)]
+    closes = verdict.closes(tolerance)
+    if not (closes or settings.in_contact):
+        stop = None  # nothing gets there, in contact or not
+    findings = [] if stop is None else [_stopped(stop, settings, verdict.reached, closes)]
     if settings.in_contact:
         made = replace(first, stopped=stop)
         return made, replace(judge(made, tolerance), iterations=iterations), findings
@@ -141,7 +145,8 @@ def _in_contact(tried: int) -> Finding:
     return Finding("folded-in-contact", Severity.NOTE, text)
 
 
-def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
+def _stopped(stop: Stop, settings: FoldSettings, reached: bool, closes: bool) -> Finding:
+    """Where a fold is stopped. reached, closes : of the fold without contact."""
     x, y, z = (f"{value:.4g}" for value in stop.point_mm)
     (u, v), _ = stop.flat_mm
     first, second = stop.faces
@@ -150,12 +155,17 @@ def _stopped(stop: Stop, settings: FoldSettings, reached: bool) -> Finding:
         who = f"parts of face {first} press on each other"
     text = (
         f"{who} from {stop.share:.1%} of the fold on, at ({x}, {y}, {z}) mm, "
-        f"({u:.4g}, {v:.4g}) mm in the flat sheet, and keep it from its target: "
+        f"({u:.4g}, {v:.4g}) mm in the flat sheet"
     )
-    if stop.orders > 1:
-        text += f"{counted(stop.orders, 'order')} of folding were tried, and none gets there."
+    if not closes:
+        text += ". Its fold angles do not close, so that no order of folding gets to its target."
+    elif stop.orders > 1:
+        text += (
+            f", and keep it from its target: {counted(stop.orders, 'order')} of folding were "
+            "tried, and none gets there."
+        )
     else:
-        text += "all creases fold at once, no other order was tried."
+        text += ", and keep it from its target: all creases fold at once, no other order was tried."
     if settings.thickness_mm > 0:
         text += (
             f" The sheet is {settings.thickness_mm:g} mm thick, and its layers take that room: try "
