@@ -88,3 +88,25 @@ def test_gaps_that_pieces_side_to_side_enclose_are_no_pieces(tmp_path):
     found = read_any([tmp_path / "sheet_1.svg"])
     assert "hole" in {finding.code for finding in found.findings}
     assert found.pattern.face_count == 18
+
+
+@pytest.mark.parametrize("kind", [SheetFormat.DXF, SheetFormat.SVG])
+@pytest.mark.parametrize("closed_slots", [False, True])
+@pytest.mark.parametrize(
+    ("name", "material", "rows"), [("miura", "plywood_3mm", 5), ("square_twist", "acrylic_2mm", 7)]
+)
+def test_living_hinges_come_back_as_creases(name, material, rows, closed_slots, kind, tmp_path):
+    """Each is `rows` rows of slits beside each other, every other one shifted."""
+    pattern = scaled(read_pattern(PATTERNS / f"{name}.fold")[0], width_mm=380)
+    settings = CutterSettings(
+        material=material, machine="co2_60w_600x400", tabs="none", closed_slots=closed_slots
+    )
+    request = settings.request([kind], page=False)
+    assert request.perforation.mountain.rows == rows
+    made = fabricate(pattern, "sheet", request)
+    path = tmp_path / f"sheet_1.{kind}"
+    path.write_bytes(made.files[path.name])
+    found = read_any([path])
+    creases = int(np.isin(pattern.edges_assignment, ["M", "V"]).sum())
+    assert f"our own sheet has {creases} living hinges" in " ".join(f.text for f in found.findings)
+    assert lengths(found.pattern) == pytest.approx(lengths(pattern), rel=1e-3)  # the kerf

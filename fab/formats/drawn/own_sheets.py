@@ -18,6 +18,7 @@ from fab.errors import Finding, Severity, counted
 from fab.formats.drawn.dashes import extended, facing, of_rows, rows_of
 from fab.formats.drawn.line_soup import Letters, LineSoup
 from fab.formats.drawn.own_cuts import shared_sides, without_bridges, without_slots
+from fab.formats.drawn.own_lattices import without_lattices
 from solver.vectors import BoolArray, FloatArray, IntArray
 
 __all__ = ["OPERATIONS", "recovered_sheet"]
@@ -99,14 +100,21 @@ def recovered_sheet(
         lines_element=soup.lines_element[kept],
     )
     rows = rows_of(soup, 2, _NOISE_MM)
+    rows, hinges = without_lattices(rows, soup.lines_coords, soup.lines_assignment)
+    if hinges:
+        text = (
+            f"our own sheet has {counted(hinges, 'living hinge')}: each is taken for the crease in "
+            "its middle."
+        )
+        findings.append(Finding("sheet-addition", Severity.NOTE, text))
     soup_rows = of_rows(soup, rows, rows.ends)
     ends, letters = rows.ends, soup_rows.lines_assignment
     crease = ~np.isin(letters, ["B", "C"])
     border = letters == "B"
     if border.any() and crease.any():
         exact = _exact(ends, rows.dashes, letters)
-        # sides between pieces have material on both sides, and stay
-        half = None if between.any() else _half_kerf(ends, crease, border, exact, rings)
+        # of pieces that share sides none is moved: those between two have material on both sides
+        half = None if around.any() else _half_kerf(ends, crease, border, exact, rings)
         if half is None:
             findings.append(
                 Finding(
