@@ -142,6 +142,13 @@ DRAWINGS = (
     ),
     # lines
     Explanation(
+        "merge-unused",
+        (WARNING,),
+        "--merge-mm has no effect.",
+        "The file lists its faces, and its vertices are taken as they are (FOLD, OBJ).",
+        "Leave it out, or remove faces_vertices from the file to have its lines joined.",
+    ),
+    Explanation(
         "lines-split",
         (NOTE,),
         "Lines are split where they cross or end on each other.",

@@ -24,6 +24,7 @@ FACTS = frozenset(
         "frame-turned",
         "group-opacity",
         "half-missing",
+        "merge-unused",
         "unit-named",
         "unit-unknown",
         # left out, as it is no crease
@@ -62,7 +63,7 @@ FACTS = frozenset(
 _WARNINGS_TOO = frozenset(
     {
         *("border-hull", "border-inside", "crease-dangling", "letters-contradict"),
-        *("colours-unused", "fold-deg-unused"),
+        *("colours-unused", "fold-deg-unused", "merge-unused"),
     }
 )
 

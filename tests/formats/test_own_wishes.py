@@ -8,7 +8,7 @@ import pytest
 from flat_patterns import grid, pattern_of
 from helpers import PATTERNS
 
-from fab import read_pattern
+from fab import ReadOptions, read_pattern
 from fab.drawings.drawing_files import SheetFormat
 from fab.errors import Severity
 from fab.jobs.reading import read_any
@@ -110,3 +110,23 @@ def test_living_hinges_come_back_as_creases(name, material, rows, closed_slots, 
     creases = int(np.isin(pattern.edges_assignment, ["M", "V"]).sum())
     assert f"our own sheet has {creases} living hinges" in " ".join(f.text for f in found.findings)
     assert lengths(found.pattern) == pytest.approx(lengths(pattern), rel=1e-3)  # the kerf
+
+
+@pytest.mark.parametrize("kind", [SheetFormat.DXF, SheetFormat.SVG])
+def test_letters_that_the_user_gives_hold_for_our_own_sheets(kind, tmp_path):
+    """In half-etched steel valleys are engraved, and nothing in the file says that they fold."""
+    settings = CutterSettings(
+        material="stainless_0.5mm_half_etched", machine="fibre_1kw_1500x1000", tabs="none"
+    )
+    made = fabricate(grid(4, 1, 40.0), "sheet", settings.request([kind], page=False))
+    path = tmp_path / f"sheet_1.{kind}"
+    path.write_bytes(made.files[path.name])
+    for colours, letters in (
+        ({}, {"U"}),
+        ({"engrave": "V"}, {"V"}),
+        ({"#00a000": "M", "#00ff00": "M"}, {"M"}),  # of SVG and of DXF
+        ({"engrave": "V", "cut": "C"}, {"V"}),
+    ):
+        pattern = read_any([path], ReadOptions(colours=colours)).pattern
+        assert set(pattern.edges_assignment.tolist()) == {"B", *letters}
+        assert pattern.face_count == 4

@@ -17,6 +17,7 @@ from solver.errors import InvalidValue
 
 __all__ = [
     "colour_of",
+    "given_letter",
     "key_of",
     "letter_of",
     "parse_colours",
@@ -130,14 +131,9 @@ def letter_of(colour: str | None, names: Sequence[str], colours: Mapping[str, st
     >>> letter_of("red", [], {}), letter_of("red", ["CUT"], {}), letter_of("#808080", [], {})
     ('M', 'C', None)
     """
+    if (given := given_letter(colour, names, colours)) is not None:
+        return given
     found = None if colour is None else colour_of(colour)
-    if colours:
-        for name in names:
-            if (given := colours.get(_key(name))) is not None:
-                return given
-        own = found[0] if found is not None else _key(colour or "")
-        if (given := colours.get(own)) is not None:
-            return given
     named = [_letter_of_name(name) for name in names]
     strong = next((letter for letter, _ in named if letter), None)
     if strong is not None:
@@ -145,6 +141,18 @@ def letter_of(colour: str | None, names: Sequence[str], colours: Mapping[str, st
     if found is not None and (letter := _letter_of_hue(found[0])) is not None:
         return letter
     return "U" if any(folds for _, folds in named) else None
+
+
+def given_letter(
+    colour: str | None, names: Sequence[str], colours: Mapping[str, str]
+) -> str | None:
+    """The assignment that the user gives a line, by name, then by colour; see `letter_of`."""
+    if not colours:
+        return None
+    for name in names:
+        if (given := colours.get(_key(name))) is not None:
+            return given
+    return colours.get(key_of(colour or ""))
 
 
 def parse_colours(text: str) -> dict[str, str]:

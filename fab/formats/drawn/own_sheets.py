@@ -44,12 +44,17 @@ _TRIALS = 500
 
 
 def recovered_sheet(
-    soup: LineSoup, operations: Sequence[str], closed: Sequence[bool], bent: Sequence[bool]
+    soup: LineSoup,
+    operations: Sequence[str],
+    closed: Sequence[bool],
+    bent: Sequence[bool],
+    given: Sequence[str | None],
 ) -> LineSoup:
     """The pattern of a sheet: whole creases that reach their vertices, outlines, slits.
 
     operations : the layer of each element; closed : whether it is an outline; bent : whether it is
-    one line of several sides, such as a stroke of a letter.
+    one line of several sides, such as a stroke of a letter; given : the assignment that the user
+    gives it, if any.
 
     Labels and relief holes are left out with a count. Flat creases that are not drawn cannot come
     back.
@@ -63,6 +68,8 @@ def recovered_sheet(
     outline = ring & np.isin(layer, ["HOLE", "CUT"])
     letters[outline | around] = "B"
     letters[between] = "C"
+    asked = np.array([letter or "" for letter in given], dtype="U1")[soup.lines_element]
+    letters = np.where(asked != "", asked, letters)
     one = ring | np.array(bent, dtype=bool)[soup.lines_element]
     label = one & (layer == "ENGRAVE")
     hole = layer == "RELIEF"

@@ -19,7 +19,13 @@ from ezdxf.document import Drawing
 
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
-from fab.formats.drawn.letters import key_of, letter_of, unlettered_finding, unused_colours
+from fab.formats.drawn.letters import (
+    given_letter,
+    key_of,
+    letter_of,
+    unlettered_finding,
+    unused_colours,
+)
 from fab.formats.drawn.line_soup import UNLETTERED, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.dxf.curves import DRAWN, flattened, is_curved, is_mesh, weight
@@ -150,7 +156,8 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     )
     layers = [one.layer for one in drawn]
     if {"CUT"} < set(layers) <= set(OPERATIONS):
-        return recovered_sheet(soup, layers, closed, bent)
+        given = [given_letter(one.colour, [one.layer], options.colours) for one in drawn]
+        return recovered_sheet(soup, layers, closed, bent, given)
     if unknown:
         soup = replace(soup, findings=(*soup.findings, unlettered_finding(unknown)))
     return join_dashes(soup)

@@ -87,7 +87,8 @@ def read_fold(path: str | Path, options: ReadOptions | None = None) -> PatternFi
     "fold-angle-contradicts", "fold-angle-zero", "zero-length-edge", "duplicate-edge",
     "vertices-merged", "vertex-unused", "faces-rebuilt", "face-clockwise", "face-without-area",
     "border-unmarked", "border-inside", "folded-form-differs", "face-orders-unknown"; and, as no
-    repairs, "crease-dangling", "frame-turned", "frames-left-out", "hole", "sheet-overlaps".
+    repairs, "crease-dangling", "frame-turned", "frames-left-out", "hole",
+    "merge-unused", "sheet-overlaps".
     """
     options = ReadOptions() if options is None else options
     file = Path(path)
@@ -136,6 +137,12 @@ def pattern_of(file: Path, frames: Frames, options: ReadOptions) -> PatternFile:
         findings += findings_of(sheet, made)
         unused = np.setdiff1d(np.arange(count), [*np.unique(lines.pairs), *source])
     else:
+        if options.merge_mm is not None:
+            text = (
+                f"--merge-mm {options.merge_mm:g} has no effect: the file lists its faces, and "
+                "vertices are joined in drawings alone."
+            )
+            findings.append(Finding("merge-unused", Severity.WARNING, text))
         rounding = _ROUNDING * float(np.abs(coords).max())
         near = _SAME * _diagonal(coords)
         given, lines, found = given_faces(lines, *faces, merged, rounding)

@@ -18,7 +18,7 @@ import numpy as np
 
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
-from fab.formats.drawn.letters import unlettered_finding, unused_colours
+from fab.formats.drawn.letters import given_letter, unlettered_finding, unused_colours
 from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup, require_few_lines
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
@@ -128,7 +128,8 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     if _is_own(root):
         operations = tuple(shape.operation for shape in taken)
         closed = tuple(shape.drawn.closed for shape in taken)
-        soup = recovered_sheet(soup, operations, closed, bent)
+        given = [given_letter(s.colour, [s.operation], options.colours) for s in taken]
+        soup = recovered_sheet(soup, operations, closed, bent, given)
     else:
         soup = join_dashes(soup)
     if not len(soup.lines_coords):

@@ -371,6 +371,14 @@ def test_a_file_without_letters_and_angles_says_so(tmp_path):
     assert "mountains and valleys are those of the fold angles" in told.text
 
 
+def test_a_tolerance_for_lines_has_no_effect_on_faces_and_says_so(tmp_path):
+    _, (told,) = read(tmp_path, changed(), merge_mm=0.5, strict=True)
+    assert told.code == "merge-unused"
+    assert "--merge-mm 0.5 has no effect" in told.text
+    _, found = read(tmp_path, changed(faces_vertices=None), merge_mm=0.5)
+    assert [finding.code for finding in found] == ["faces-rebuilt"]
+
+
 ROOF = [[0, 0, 0], [1, 0, 0], [2, 0, 1], [2, 1, 1], [1, 1, 0], [0, 1, 0]]
 ISLAND = [[0.3, 0.3], [0.6, 0.3], [0.6, 0.6]]
 NAN = float("nan")
