@@ -10,7 +10,7 @@ from helpers import PATTERNS
 
 from fab import ReadOptions, read_pattern
 from fab.drawings.drawing_files import SheetFormat
-from fab.errors import Severity
+from fab.errors import InvalidFile, Severity
 from fab.jobs.reading import read_any
 from fab.jobs.sheet_files import fabricate
 from fab.pattern.crease_pattern import scaled
@@ -130,3 +130,19 @@ def test_letters_that_the_user_gives_hold_for_our_own_sheets(kind, tmp_path):
         pattern = read_any([path], ReadOptions(colours=colours)).pattern
         assert set(pattern.edges_assignment.tolist()) == {"B", *letters}
         assert pattern.face_count == 4
+
+
+def test_the_paths_of_a_drag_knife_are_no_pieces_side_to_side(tmp_path):
+    """They go on beyond corners, so that outlines are open and cross themselves there."""
+    machine = load_machine("knife_a3_roll")
+    knife = machine.knife.model_copy(
+        update={"offset_mm": 0.3, "overcut_mm": 1.0, "lead_in_mm": 2.0}
+    )
+    machine = machine.model_copy(update={"knife": knife})
+    request = SheetRequest(
+        load_material("card_300gsm"), machine, formats=[SheetFormat.SVG], page=False
+    )
+    made = fabricate(grid(2, 1, 40.0), "sheet", request)
+    (tmp_path / "sheet_1.svg").write_bytes(made.files["sheet_1.svg"])
+    with pytest.raises(InvalidFile, match="no line is a border"):
+        read_any([tmp_path / "sheet_1.svg"])

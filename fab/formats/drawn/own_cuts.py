@@ -26,6 +26,8 @@ _SIDES = 4
 _WIDEST_GAP_MM = 30.0
 # Outlines nearer to each other than this share a side.
 _SAME_MM = 2e-3
+# Pieces are larger; the loops in which a drag knife swivels are not.
+_LEAST_PIECE_MM2 = 4.0
 
 
 def without_slots(
@@ -123,7 +125,8 @@ def shared_sides(
     nowhere = np.zeros(len(soup.lines_coords), bool)
     if not is_open.any():
         return soup, nowhere, nowhere
-    graph = arrangement(soup.lines_coords[which], _SAME_MM / (soup.mm_per_unit or 1.0))
+    mm = soup.mm_per_unit or 1.0
+    graph = arrangement(soup.lines_coords[which], _SAME_MM / mm)
     edges = graph.edges_vertices
     around = np.flatnonzero(without_dangling(edges))
     part = labels(edges[around], len(graph.vertices_coords))[edges[:, 0]]
@@ -137,13 +140,15 @@ def shared_sides(
     gone[which[line[np.isin(edge, around)]]] = True
     rings = [graph.vertices_coords[corners[i:j]] for i, j in pairwise(offsets.tolist())]
     marks = shapely.multipoints(soup.lines_coords[~gone].mean(axis=1))
-    piece = ring_areas(graph.vertices_coords[corners], offsets) > 0
+    piece = ring_areas(graph.vertices_coords[corners], offsets) * mm * mm > _LEAST_PIECE_MM2
     bare = piece & ~shapely.intersects([shapely.Polygon(ring) for ring in rings], marks)
     sides = walk.reshape(2, -1)
     beside_others = piece[sides].all(axis=0) & ~bare[sides].all(axis=0)
     bare[sides[:, ~beside_others]] = False
     piece &= ~bare
     between = piece[sides].all(axis=0)
+    if not between.any():
+        return soup, nowhere, nowhere
     first = which[graph.edges_lines[graph.edges_offsets[around]]]
     rest, new = _chosen(soup, ~gone), _chosen(soup, first)
     split = replace(
