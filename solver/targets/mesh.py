@@ -32,6 +32,8 @@ _FORMATS = ("glb", "obj", "off", "ply", "stl")
 # Vertices closer than this are one, triangles flatter than this have no area, in sizes of the mesh.
 _SAME = 1e-9
 _FLAT = 1e-12
+# How far from the origin a mesh may be, in sizes of it: growth loses as many digits.
+_FARTHEST = 1000.0
 # Feet whose barycentric coordinate is below this are on the opposite edge.
 _ON_EDGE = 1e-9
 # Width of the skirt in diagonals of the mesh, and how far the rim may lean over.
@@ -328,6 +330,12 @@ def _merged(coords: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     used = np.unique(triangles)
     size = float(np.linalg.norm(np.ptp(coords[used], axis=0)))
     require_length("size of the mesh", size)
+    far = float(norm((coords[used].min(axis=0) + coords[used].max(axis=0)) / 2)) / size
+    if far > _FARTHEST:
+        name = "distance of the mesh from the origin"
+        bound = f"be at most {_FARTHEST:g} of its sizes"
+        cure = "Coordinates so far out have too few digits for growth: move it nearer."
+        raise InvalidValue(name, f"{far:.6g} of its sizes", bound, cure)
     pairs = cKDTree(coords[used]).query_pairs(_SAME * size, output_type="ndarray")
     group = labels(pairs, len(used))
     _, first = np.unique(group, return_index=True)

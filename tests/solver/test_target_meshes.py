@@ -365,6 +365,11 @@ TRIANGLE = np.array([[0, 1, 2]])
         (COORDS, QUADS - 1, "faces = -1 "),
         (COORDS * 1e-9, QUADS, "size of the mesh"),
         (COORDS * 1e9, QUADS, "size of the mesh"),
+        (
+            COORDS + 1e5,
+            QUADS,
+            r"from the origin = [0-9.]+ of its sizes .* at most 1000 of its sizes",
+        ),
         (COORDS * [1, 0, 0], QUADS, "area of the mesh"),
         (COORDS[:1], np.zeros((1, 3), int), "size of the mesh"),
         (np.vstack([COORDS, COORDS + 5]), np.vstack([QUADS, QUADS + 9]), "pieces .* 8, 8"),
