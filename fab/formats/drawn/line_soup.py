@@ -12,10 +12,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fab.errors import Finding, InvalidFile
-from solver.vectors import FloatArray, IntArray
+from fab.errors import Finding, InvalidFile, Severity, counted
+from solver.vectors import BoolArray, FloatArray, IntArray
 
-__all__ = ["LETTERS", "MOST_LINES", "UNLETTERED", "Letters", "LineSoup", "require_few_lines"]
+__all__ = [
+    "LETTERS",
+    "MOST_LINES",
+    "UNLETTERED",
+    "Letters",
+    "LineSoup",
+    "require_few_lines",
+    "with_length",
+]
 
 # Assignments of the FOLD format.
 LETTERS = "BMVFUCJ"
@@ -74,3 +82,13 @@ def require_few_lines(path: Path, count: int) -> None:
             f"{path}: {count} lines are over the bound of {MOST_LINES}. Leave out what is no "
             "crease, or split the drawing into several files."
         )
+
+
+def with_length(lines_coords: FloatArray) -> tuple[BoolArray, list[Finding]]:
+    """Which lines, shape (n, 2, k), have a length, and the finding of the others."""
+    kept: BoolArray = (lines_coords[:, 0] != lines_coords[:, 1]).any(axis=1)
+    count = int((~kept).sum())
+    if not count:
+        return kept, []
+    text = f"{counted(count, 'line')} without length: left out."
+    return kept, [Finding("line-without-length", Severity.NOTE, text)]

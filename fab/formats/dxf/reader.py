@@ -26,7 +26,7 @@ from fab.formats.drawn.letters import (
     unlettered_finding,
     unused_colours,
 )
-from fab.formats.drawn.line_soup import UNLETTERED, LineSoup, require_few_lines
+from fab.formats.drawn.line_soup import UNLETTERED, LineSoup, require_few_lines, with_length
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.dxf.curves import DRAWN, flattened, is_curved, is_mesh, weight
 from fab.formats.dxf.document import mm_per_unit_of, read_document, unit_findings
@@ -110,8 +110,9 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     Raises `InvalidFile` for files that cannot be read, without lines, over the bounds, with blocks
     that contain themselves, and for drawings in an upright plane. Codes of the findings:
     "file-recovered", "unit-imperial", "paper-space", "entities-skipped", "layers-hidden",
-    "layer-unplotted", "blocks-absent", "entities-damaged", "curves-flattened", "off-plane",
-    "colour-unknown", "colours-unused", and those of `join_dashes` and `recovered_sheet`.
+    "layer-unplotted", "blocks-absent", "entities-damaged", "curves-flattened",
+    "line-without-length", "off-plane", "colour-unknown", "colours-unused", and those of
+    `join_dashes` and `recovered_sheet`.
     """
     document, recovered = read_document(path)
     mm = mm_per_unit_of(document)
@@ -133,7 +134,9 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     lines, element, closed, bent, curves = _lines(
         path, drawn, left_out, mm or options.mm_per_unit or 1.0
     )
-    findings += [*spaces, *_left_out_findings(left_out), *curves]
+    kept, short = with_length(lines)
+    lines, element = lines[kept], element[kept]
+    findings += [*spaces, *_left_out_findings(left_out), *curves, *short]
     if not len(lines):
         what = " ".join(finding.text for finding in findings)
         raise InvalidFile(

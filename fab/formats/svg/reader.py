@@ -19,7 +19,13 @@ import numpy as np
 from fab.errors import Finding, InvalidFile, Severity, counted
 from fab.formats.drawn.dashes import join_dashes
 from fab.formats.drawn.letters import given_letter, unlettered_finding, unused_colours
-from fab.formats.drawn.line_soup import UNLETTERED, Letters, LineSoup, require_few_lines
+from fab.formats.drawn.line_soup import (
+    UNLETTERED,
+    Letters,
+    LineSoup,
+    require_few_lines,
+    with_length,
+)
 from fab.formats.drawn.own_sheets import OPERATIONS, recovered_sheet
 from fab.formats.read_options import ReadOptions
 from fab.formats.source_files import shown
@@ -113,7 +119,9 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
             )
         )
     keep = _no_vertex_marks(coords, element, taken, findings)
-    keep &= _with_length(coords, findings)
+    long, short = with_length(coords)
+    keep &= long
+    findings += short
     soup = LineSoup(
         path,
         _title(root),
@@ -311,21 +319,6 @@ def _no_vertex_marks(
                 Severity.NOTE,
                 f"{counted(len(marks), 'small circle')} at the ends of lines: taken for marks of "
                 "vertices, and left out.",
-            )
-        )
-    return kept
-
-
-def _with_length(coords: FloatArray, findings: list[Finding]) -> BoolArray:
-    """Which lines have a length."""
-    kept: BoolArray = (coords[:, 0] != coords[:, 1]).any(axis=1)
-    if not kept.all():
-        count = int((~kept).sum())
-        findings.append(
-            Finding(
-                "line-without-length",
-                Severity.NOTE,
-                f"{counted(count, 'line')} without length: left out.",
             )
         )
     return kept

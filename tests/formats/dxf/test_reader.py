@@ -17,6 +17,7 @@ from fab.drawings.dxf import DxfVersion
 from fab.errors import InvalidFile, Severity
 from fab.formats.dxf.reader import read_dxf
 from fab.formats.read_options import ReadOptions
+from fab.formats.strictness import is_repair
 from fab.jobs.sheet_files import fabricate
 from fab.sheets.materials import load_machine, load_material
 from fab.sheets.sheet_request import SheetRequest
@@ -223,6 +224,22 @@ def test_what_is_left_out_is_counted(drawing, tmp_path):
     assert found(soup, "layers-hidden").severity == Severity.NOTE  # as in SVG files
     assert "2 of 'elsewhere', 1 of 'missing'" in found(soup, "blocks-absent").text
     assert "1 CIRCLE" in found(soup, "entities-damaged").text
+
+
+def test_outlines_that_name_their_first_point_again_are_no_repair(drawing, tmp_path):
+    """As many programs write closed polylines."""
+    space = drawing.modelspace()
+    space.add_lwpolyline([(0, 0), (9, 0), (9, 5), (0, 5), (0, 0)], close=True)
+    space.add_line((3, 3), (3, 3))
+    soup = read(drawing, tmp_path)
+    assert codes(soup) == ["line-without-length"]
+    assert found(soup, "line-without-length").text == "2 lines without length: left out."
+    assert len(soup.lines_coords) == 4
+    assert not is_repair(found(soup, "line-without-length"))
+    for polyline in space.query("LWPOLYLINE"):
+        space.delete_entity(polyline)
+    with pytest.raises(InvalidFile, match=r"no lines.* 1 line without length"):
+        read(drawing, tmp_path)
 
 
 def test_what_is_never_plotted_is_left_out(drawing, tmp_path):
