@@ -146,3 +146,19 @@ def test_the_paths_of_a_drag_knife_are_no_pieces_side_to_side(tmp_path):
     (tmp_path / "sheet_1.svg").write_bytes(made.files["sheet_1.svg"])
     with pytest.raises(InvalidFile, match="no line is a border"):
         read_any([tmp_path / "sheet_1.svg"])
+
+
+def test_a_sheet_that_inkscape_saved_again_gives_its_pattern_back(tmp_path):
+    """It adds a view, metadata and definitions beside the layers."""
+    pattern = grid(4, 4, 40.0, without=[(1, 1)])
+    settings = CutterSettings(material="card_300gsm", machine="co2_60w_600x400", tabs="none")
+    made = fabricate(pattern, "sheet", settings.request([SheetFormat.SVG], page=False))
+    added = (
+        b'<sodipodi:namedview id="view" xmlns:sodipodi='
+        b'"http://sodipodi.sourceforge.net/DTD/sodipodi-0.dtd"/><metadata id="m"/><defs id="d"/>'
+    )
+    path = tmp_path / "sheet.svg"
+    path.write_bytes(made.files["sheet_1.svg"].replace(b"<title>", added + b"<title>"))
+    found = read_any([path])
+    assert "kerf-removed" in {finding.code for finding in found.findings}
+    assert lengths(found.pattern) == pytest.approx(lengths(pattern), rel=1e-4)

@@ -46,6 +46,8 @@ FLATNESS_MM = 0.05
 # Nor by more than this, over the diagonal of the drawing, however large it is made later.
 FLATNESS_REL = 1e-4
 _FARTHEST = 1e9
+# What programs add to a drawing beside its layers, as Inkscape does where it saves one of another.
+_NOT_DRAWN = frozenset({"", "title", "desc", "defs", "metadata", "style"})
 # A circle at the end of a line marks a vertex when it is smaller than this, over the drawing.
 _MARK_REL = 0.01
 
@@ -191,8 +193,8 @@ def _title(root: ET.Element) -> str:
 
 
 def _is_own(root: ET.Element) -> bool:
-    """Whether the file is one of the sheets that this program draws."""
-    groups = [child for child in root if local_name(child) not in ("", "title", "desc")]
+    """Whether the file is one of the sheets that this program draws, or one saved again since."""
+    groups = [child for child in root if local_name(child) not in _NOT_DRAWN]
     labels = [group.get(_LABEL, "") for group in groups]
     return (
         all(local_name(group) == "g" for group in groups)
