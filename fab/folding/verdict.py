@@ -77,7 +77,8 @@ class Verdict:
 
     Attributes
     ----------
-    reached : whether shape, strain and every crease's angle are those of the target.
+    reached : whether shape, strain and every crease's angle are those of the target, and the angles
+        close.
     rmsd_rel : root mean square distance to the target form, aligned without mirroring, relative to
         the diagonal of its box; None where no target form is known.
     strain_mean, strain_max : absolute, of all bars, at the end.
@@ -166,6 +167,8 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
     peak = max(folding.states, key=lambda state: state.strain_peak)
     reached = bool(within.all()) and last.strain_max <= allowed.strain
     reached = reached and (rmsd or 0.0) <= allowed.shape_rel
+    closure_rad = max(kinematics.closure_max_rad, kinematics.gap_rad)
+    reached = reached and closure_rad <= allowed.closure_rad
     open_vertices = _worst_first(kinematics.vertices_closure_rad, tolerance.closure_rad)
     return Verdict(
         reached and last.settled,
@@ -178,7 +181,7 @@ def judge(folding: Folding, tolerance: Tolerance = _DEFAULT) -> Verdict:
             sheet.edges_source[creases[_worst_first(np.where(within, 0.0, np.abs(off_deg)), 0.0)]]
         ),
         worst,
-        max(kinematics.closure_max_rad, kinematics.gap_rad),
+        closure_rad,
         _numbers(sheet.vertices_source[open_vertices]),
         kinematics.gap_mm / frame.size_mm,
         int(folds.sum()),

@@ -16,6 +16,7 @@ from fab.folding.fold_settings import FoldSettings
 from fab.folding.misplaced_vertices import misplaced_vertices
 from fab.folding.rigid_motion import rigid_motion
 from fab.folding.simulation import fold_and_judge
+from fab.folding.tolerance import Tolerance
 from fab.folding.verdict_words import Bearer, VerdictKind, in_words
 from fab.jobs.bearing_sheets import bearing_sheets
 from fab.layers.layer_orders import layer_orders
@@ -142,26 +143,49 @@ def test_why_a_vertex_does_not_close_is_said_and_no_contact_is_blamed(sectors, a
     assert worded(pattern).kind is VerdictKind.MISSES
 
 
-def test_a_map_drawn_with_few_digits_is_off_by_what_its_sectors_miss():
-    """Where straight lines cross no move of the vertex helps: an end of a line is off."""
+def map_off_by(off_mm):
+    """A map of 2 x 2 squares of 20 mm, of which the end of a line is off."""
     pattern = grid(2, 2, 20.0)
     letters = pattern.edges_assignment.copy()
     (mountain,) = np.flatnonzero((np.sort(pattern.edges_vertices, axis=1) == [4, 5]).all(axis=1))
     letters[mountain] = "M"
     angle = np.where(letters == "V", 180.0, np.where(letters == "M", -180.0, 0.0))
     coords = pattern.vertices_coords.copy()
-    coords[5, 1] += 0.02
-    drawn = replace(
-        pattern, edges_assignment=letters, edges_foldAngle=angle, vertices_coords=coords
-    )
+    coords[5, 1] += off_mm
+    return replace(pattern, edges_assignment=letters, edges_foldAngle=angle, vertices_coords=coords)
+
+
+def test_a_map_drawn_with_few_digits_is_off_by_what_its_sectors_miss():
+    """Where straight lines cross no move of the vertex helps: an end of a line is off."""
+    drawn = map_off_by(0.02)
     (found,) = misplaced_vertices(drawn, np.array([4]))
     assert found.distance_mm == pytest.approx(0.02, rel=1e-3)
     assert found.kawasaki_deg == pytest.approx(2 * np.degrees(0.02 / 20), rel=1e-3)
     words = worded(drawn)
     assert words.kind is VerdictKind.VERTICES_OFF
     assert "up to about 0.02 mm (vertex 4): --tolerance-deg 0.2 accepts that" in words.text
-    far = pattern.vertices_coords + np.where(np.arange(9) == 5, 5.0, 0.0)[:, None] * [0.0, 1.0]
-    assert misplaced_vertices(replace(drawn, vertices_coords=far), np.array([4])) == []
+    assert misplaced_vertices(map_off_by(5.0), np.array([4])) == []
+
+
+def test_the_room_of_layers_does_not_make_up_for_angles_that_do_not_close():
+    plain = grid(3, 3, 33.3)
+    (x, y), across = plain.vertices_coords.T, plain.edges_vertices
+    upright = x[across[:, 0]] == x[across[:, 1]]
+    column, row = (each[across].min(axis=1).round(1) // 33.3 for each in (x, y))
+    valley = np.where(upright, column == 1, (column + row) % 2 == 1)
+    letters = np.where(plain.edges_assignment == "B", "B", np.where(valley, "V", "M"))
+    angle = np.select([letters == "V", letters == "M"], [180.0, -180.0])
+    turn = np.array([[np.cos(0.5), np.sin(0.5)], [-np.sin(0.5), np.cos(0.5)]])
+    drawn = replace(
+        plain,
+        vertices_coords=(plain.vertices_coords @ turn).round(1),
+        edges_assignment=letters,
+        edges_foldAngle=angle,
+    )
+    for tolerance in (Tolerance(), Tolerance(1.0)):
+        _, verdict, findings = fold_and_judge(drawn, FoldSettings(), tolerance=tolerance)
+        assert verdict.reached == (verdict.closure_max_rad <= tolerance.closure_rad)
+        assert verdict.reached == ("angles-do-not-close" not in {each.code for each in findings})
 
 
 def test_patterns_of_unassigned_creases_say_that_letters_are_missing():
