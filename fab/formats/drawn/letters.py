@@ -38,8 +38,7 @@ _WORDS = {
         """,
     "B": """
         border borders boundary boundaries outline outlines contour contours perimeter bord bords
-        bordure rand umriss kontur bordo contorno borde hole holes loch locher trou trous foro fori
-        agujero agujeros 輪郭 輪郭線
+        bordure rand umriss kontur bordo contorno borde 輪郭 輪郭線
         """,
     "C": """
         cut cuts cutting slit slits coupe decoupe decoupes schnitt schnitte schneiden taglio tagli

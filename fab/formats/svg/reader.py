@@ -195,10 +195,10 @@ def _title(root: ET.Element) -> str:
 def _is_own(root: ET.Element) -> bool:
     """Whether the file is one of the sheets that this program draws, or one saved again since."""
     groups = [child for child in root if local_name(child) not in _NOT_DRAWN]
-    labels = [group.get(_LABEL, "") for group in groups]
+    labels = [group.get("id", "") for group in groups]
     return (
         all(local_name(group) == "g" for group in groups)
-        and all(group.get("id") == label for group, label in zip(groups, labels, strict=True))
+        and all(g.get(_LABEL, name) == name for g, name in zip(groups, labels, strict=True))
         and "CUT" in labels
         and labels == [name for name in OPERATIONS if name in labels]
     )

@@ -269,7 +269,7 @@ def _within(element: ET.Element, tag: str, context: _Context, outermost: bool) -
     if outermost:
         return context
     names = (*_names(element), *context.names)
-    label = element.get(_LABEL, "")
+    label = element.get(_LABEL) or element.get("id", "")
     operation = label if label in OPERATIONS else context.operation
     out = replace(context, names=names, operation=operation, label="", given=("", ""))
     if tag == "svg" or tag == "symbol":

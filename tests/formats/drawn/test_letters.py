@@ -68,7 +68,6 @@ def test_colours(colour, letter):
         ("valley-creases", "V"),
         ("Cut_x0020_lines", "C"),
         ("cut outline", "C"),
-        ("Holes", "B"),
         ("m", "M"),
         ("V", "V"),
         ("Outline", "B"),
