@@ -93,6 +93,7 @@ def drawn_sheet(
     repairs += cuts
     outside = _outside(lines, closed, regions, solid)
     if outside.any():
+        _require_not_enclosed(lines, outside)
         rows = np.flatnonzero(outside)
         start, end = lines.coords[lines.pairs[rows[0]]]
         text = (
@@ -185,6 +186,39 @@ def _outside(lines: Lines, closed: BoolArray, regions: Regions, solid: BoolArray
     middles = lines.coords[lines.pairs[loose]].mean(axis=1)
     out[loose] = ~np.append(solid, False)[points_within(middles, lines.coords, regions)]
     return out
+
+
+def _require_not_enclosed(lines: Lines, outside: BoolArray) -> None:
+    """Raise `InvalidFile` where lines enclose the border, and more creases beside it than in it.
+
+    Then the border is of a hole or of a letter, and what is around it the outline of the sheet; a
+    frame may enclose a sheet and the few lines of a legend.
+    """
+    folds = np.isin(lines.letters, ["M", "V"])
+    creases = np.flatnonzero(outside & folds)
+    around = np.flatnonzero(outside & ~np.isin(lines.letters, ["M", "V", "F"]))
+    around = around[without_dangling(lines.pairs[around])]
+    if not len(creases) or not len(around):
+        return
+    regions = regions_of(lines.coords, lines.pairs[around])
+    borders = np.flatnonzero(~outside & (lines.letters == "B"))
+    own = points_within(lines.middles(borders), lines.coords, regions)
+    of_creases = points_within(lines.middles(creases), lines.coords, regions)
+    both = (of_creases >= 0) & np.isin(of_creases, own)
+    length = np.hypot(*(lines.coords[lines.pairs[:, 1]] - lines.coords[lines.pairs[:, 0]]).T)
+    if length[creases[both]].sum() <= length[folds & ~outside].sum():
+        return
+    ring = around[(regions.sides == of_creases[both][0]).any(axis=1)]
+    of_hole, of_ring, crease = (
+        f"{lines.name(row)} at {lines.place(row)}"
+        for row in (borders[0], ring[0], creases[both][0])
+    )
+    count = int(both.sum())
+    raise InvalidFile(
+        f"{lines.path}: the border ({of_hole}) is within closed lines that are no border "
+        f"({of_ring}), and so {'is' if count == 1 else 'are'} {counted(count, 'crease')} beside "
+        f"it, the first {crease}. Make these lines the border, or remove them."
+    )
 
 
 def _joined_runs(lines: Lines, kept_as: IntArray) -> tuple[Lines, list[Repair], IntArray]:

@@ -138,6 +138,29 @@ def test_every_repair_names_its_place_and_its_edges(rows, code, place, counts):
             imported([*SQUARE, *rows], strict)
 
 
+LETTER_O = [
+    ("B", 20, 20, 30, 20),
+    ("B", 30, 20, 30, 30),
+    ("B", 30, 30, 20, 30),
+    ("B", 20, 30, 20, 20),
+]
+
+
+@pytest.mark.parametrize("letter", ["C", "U"])
+def test_a_border_within_the_outline_of_the_sheet_is_refused(letter):
+    """The outline is drawn to be cut, and only a letter that is written on it as a border is."""
+    outline = [(letter, *row[1:]) for row in SQUARE]
+    match = r"is within closed lines .*, and so is 1 crease beside it, .* at \(50, 50\) mm"
+    with pytest.raises(InvalidFile, match=match):
+        imported([*outline, *LETTER_O, CREASE])
+    frame = [(letter, -20, -20, 150, -20), (letter, 150, -20, 150, 150),
+             (letter, 150, 150, -20, 150), (letter, -20, 150, -20, -20)]  # fmt: skip
+    legend = ("V", 110, 0, 110, 50)
+    pattern, findings = imported([*SQUARE, CREASE, *frame, legend])
+    assert findings["line-outside"].text.startswith("5 edges")
+    assert pattern.counts()["V"] == 1
+
+
 # A square of 80 with a line of 20 beside it, 30 below its upper side.
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="90mm" viewBox="0 0 200 90">'
