@@ -178,8 +178,9 @@ class RigidMotion:
 def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> RigidMotion:
     """The motion of a pattern with rigid faces, from flat to its target.
 
-    Its target is its folded form, or its fold angles where they close. Mountains and valleys fold
-    as their letters say, unassigned creases as they must, others not at all.
+    Its target is its folded form, or its fold angles where they close, those of unassigned creases
+    left open. Mountains and valleys fold as their letters say, unassigned creases as they must,
+    others not at all.
 
     frame : that of the pattern, where it is known. Raises `InvalidValue` as
     `fab.folding.bar_hinge_model.framework`.
@@ -210,11 +211,11 @@ def rigid_motion(pattern: CreasePattern, frame: Framework | None = None) -> Rigi
     path = down[::-1]
     if between is target:
         return RigidMotion(RigidVerdict.FOLDS, creases, path, freedom)
-    goal = target
-    if goal is None:
-        goal = np.where(creases.signs, creases.signs, np.sign(between)) * np.pi
+    # folded flat, creases without a letter are at either of -180 and 180 degrees
+    signs = np.where(creases.signs, creases.signs, np.sign(between))
+    goal = signs * (np.pi if target is None else np.abs(target))
     up, reached = _followed(creases, between, goal)
-    reached = reached and target is not None
+    reached = reached and (target is not None or _as_driven(creases, goal))
     verdict = RigidVerdict.FOLDS if reached else RigidVerdict.MISSES
     return RigidMotion(verdict, creases, np.concatenate([path, up[1:]]), freedom)
 
@@ -243,6 +244,14 @@ def _target(creases: RigidCreases) -> FloatArray | None:
     found = closed(creases, angles)
     near = bool(np.abs(found - angles).max(initial=0.0) <= NEARLY_FLAT_RAD)
     return found if near and creases.gap(found) <= CLOSED_RAD else None
+
+
+def _as_driven(creases: RigidCreases, angles: FloatArray) -> bool:
+    """Whether some creases turn freely, and all others are at their target angles."""
+    frame = creases.frame
+    free = unknown_angles(frame.sheet.pattern)[frame.hinges_edge[creases.hinges]]
+    off = np.abs(angles - frame.hinges_target[creases.hinges])[~free]
+    return bool(free.any() and (off <= _FOLDED_RAD).all())
 
 
 def _folds(angles: FloatArray) -> bool:

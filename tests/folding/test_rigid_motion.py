@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from flat_patterns import grid
+from flat_patterns import fan_of, grid
 from helpers import PATTERNS, TEMPLATES
 from relaxed_surfaces import bump
 from scipy.sparse import block_diag, csc_array
@@ -312,3 +312,18 @@ def test_the_simulation_says_which_sheets_need_not_bend():
 )
 def test_check_says_how_a_pattern_folds(name, says):
     assert says in run("check", PATTERNS / f"{name}.fold").output
+
+
+@pytest.mark.parametrize("letters", ["MVVU", "MUVU"])
+def test_a_sheet_with_free_creases_folds_where_all_others_get_to_their_angles(letters):
+    pattern, spokes = fan_of(np.radians([60.0, 90.0, 120.0, 90.0]), letters)
+    angle = np.zeros(len(pattern.edges_vertices))
+    angle[spokes] = [{"M": -180.0, "V": 180.0, "U": 0.0}[letter] for letter in letters]
+    motion = rigid_motion(replace(pattern, edges_foldAngle=angle))
+    assert motion.verdict is RigidVerdict.FOLDS
+    assert np.degrees(motion.path[-1][motion.creases.signs != 0]) == pytest.approx(
+        angle[spokes][[letter != "U" for letter in letters]]
+    )
+    # other angles are not those that it folds to
+    motion = rigid_motion(replace(pattern, edges_foldAngle=angle / 2))
+    assert motion.verdict is not RigidVerdict.FOLDS
