@@ -18,6 +18,7 @@ __all__ = [
     "counted",
     "did_you_mean",
     "first_few",
+    "mass_text",
     "nearest",
 ]
 
@@ -93,6 +94,18 @@ def counted(count: int, noun: str, plural: str = "") -> str:
     ('1 piece', '0 seams', '2 meshes')
     """
     return f"{count} {noun if count == 1 else plural or f'{noun}s'}"
+
+
+def mass_text(mass_g: float) -> str:
+    """A mass in three digits, in kilograms from one on.
+
+    >>> mass_text(7.096), mass_text(999.7), mass_text(3548.0), mass_text(12345678.0)
+    ('7.1 g', '1 kg', '3.55 kg', '12346 kg')
+    """
+    if mass_g < 999.5:
+        return f"{mass_g:.3g} g"
+    mass_kg = mass_g / 1000
+    return f"{mass_kg:.3g} kg" if mass_kg < 999.5 else f"{mass_kg:.0f} kg"
 
 
 def first_few(numbers: Iterable[int]) -> tuple[int, ...]:

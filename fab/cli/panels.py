@@ -29,7 +29,7 @@ from fab.cli.options import (
 )
 from fab.cli.preferences import preferred
 from fab.cli.progress_lines import progress_of
-from fab.errors import Finding, Severity, counted
+from fab.errors import Finding, Severity, counted, mass_text
 from fab.interrupts import Interrupts
 from fab.outputs import finding_entry
 
@@ -126,7 +126,7 @@ def solid_lines(report: Mapping[str, Any]) -> Iterator[str]:
     size = " x ".join(f"{side:.4g}" for side in report["bounding_box_mm"]["print"])
     plates = solids.get("plates", report.get("plates"))
     on = "" if plates is None else f" on {counted(len(plates['plates']), 'plate')}"
-    mass = "" if solids.get("mass_g") is None else f", {solids['mass_g']:.3g} g"
+    mass = "" if solids.get("mass_g") is None else f", {mass_text(solids['mass_g'])}"
     yield f"{panels}, {hinges}, {size} mm{on}{mass}"
     near = [state for state in solids["states"] if state["clearance_min_mm"] is not None]
     if solids["overlap_max_mm3"] or not near:

@@ -28,7 +28,7 @@ from fab.cli.options import (
 )
 from fab.cli.preferences import preferred, required
 from fab.cli.printer_coupons import write_test_print
-from fab.errors import InvalidJob, counted
+from fab.errors import InvalidJob, counted, mass_text
 from fab.files import shortened
 
 if TYPE_CHECKING:
@@ -188,7 +188,7 @@ def sheet_lines(report: Mapping[str, Any]) -> Iterator[str]:
     yield (
         f"{counted(len(report['pieces']), 'piece')}, {counted(len(report['glue_up']), 'seam')}, "
         f"{counted(len(sheets), 'sheet')} of {width:g} x {depth:g} mm, "
-        f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes, {mass_g:.3g} g"
+        f"about {sum(sheet['minutes'] for sheet in sheets):.1f} minutes, {mass_text(mass_g)}"
     )
     if len(report["patterns"]) > 1:
         for row in report["patterns"]:

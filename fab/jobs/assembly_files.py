@@ -11,7 +11,7 @@ import shapely
 
 from fab.catalogue import with_thickness
 from fab.drawings.cut_paths import Layer, Operation
-from fab.errors import Finding, Severity, counted
+from fab.errors import Finding, Severity, counted, mass_text
 from fab.folding.rigid_motion import RigidVerdict, rigid_motion
 from fab.layout.nesting import Placements
 from fab.pattern.closing_edges import folded_by_angles
@@ -278,7 +278,7 @@ def _facts(request: SheetRequest, report: Mapping[str, Any]) -> list[tuple[str, 
         ("Material", with_thickness(material.description, material.thickness_mm)),
         ("Machine", machine.description),
         ("Settings", settings),
-        ("Sheets", f"{len(report['sheets'])} of {width:g} x {depth:g} mm, {grams:.3g} g each"),
+        ("Sheets", f"{len(report['sheets'])} of {width:g} x {depth:g} mm, {mass_text(grams)} each"),
         ("Cutting time", f"about {minutes:.1f} min in all"),
     ]
 
@@ -310,7 +310,7 @@ def _model_facts(
         ("Pieces", f"{len(pieces)}, {counted(seams, 'seam')}" if seams else str(len(pieces))),
         ("Size", size),
         ("Creases", f"{counted(counts['M'], 'mountain')}, {counted(counts['V'], 'valley')}"),
-        ("Mass", f"{grams:.3g} g"),
+        ("Mass", mass_text(grams)),
     ]
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from fab.errors import Finding, counted
+from fab.errors import Finding, counted, mass_text
 from fab.jobs.assembly_files import caution
 from fab.panels.hinges import crease_kinds
 from fab.panels.thick_sheet import ThickSheet
@@ -207,5 +207,5 @@ def _facts(
     masses = [figures.get("mass_g"), figures.get("hinge_mass_g")]
     known = [mass for mass in masses if mass is not None]
     if known:
-        out.append(("Mass", f"{sum(known):.3g} g"))
+        out.append(("Mass", mass_text(sum(known))))
     return out
