@@ -397,6 +397,13 @@ DRAWINGS = (
         "Give the lines strokes where this is not meant.",
     ),
     Explanation(
+        "fill-of-crease",
+        (WARNING,),
+        "Filled shapes that have the colour or the layer of creases are left out (SVG).",
+        "They have no stroke, while other lines have one: dots, arrows, or lines made outlines.",
+        'Give what is a crease a stroke, or undo "stroke to path".',
+    ),
+    Explanation(
         "clip-ignored",
         (NOTE,),
         "Clipped or masked lines are taken whole.",

@@ -214,6 +214,9 @@ def _chosen(path: Path, drawing: Drawing) -> tuple[list[Shape], bool]:
             if not shape.stroked
         )
         drawing.left_out.update(without)
+        for shape in drawing.shapes:
+            if shape.filled and not shape.stroked and shape.letter in ("M", "V"):
+                drawing.fault("fill", shape.name)
         return stroked, False
     filled = drawing.shapes
     if filled:
@@ -341,6 +344,14 @@ _FAULTS = {
         Severity.NOTE,
         "{count} clipped or masked, the first is {first}: the lines are taken whole.",
         "element",
+    ),
+    "fill": (
+        "fill-of-crease",
+        Severity.WARNING,
+        "{count} without a stroke in the colour or on the layer of mountains or valleys, the first "
+        "is {first}: left out, as no lines. Where they are creases, give them a stroke, or undo "
+        '"stroke to path".',
+        "filled shape",
     ),
     "group-opacity": (
         "group-opacity",

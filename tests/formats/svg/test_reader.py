@@ -296,6 +296,17 @@ def test_outlines_of_strokes_are_refused(inside, first, width, tmp_path):
         assert words in str(error.value)
 
 
+def test_filled_shapes_that_look_like_creases_are_reported_beside_lines(tmp_path):
+    square = '<rect width="100" height="100" fill="none" stroke="black"/>'
+    text = '<path d="M5 5h3v9z"/>'
+    soup = drawn(tmp_path, f'{square}{text}{CREASE}<g id="valleys"><path d="M5 50h3v9z"/></g>')
+    told = text_of(soup, "fill-of-crease")
+    assert "2 filled shapes without a stroke" in told
+    assert "the first is path 2" in told
+    assert "3 filled shapes without a stroke" in text_of(soup, "not-lines")
+    assert "fill-of-crease" not in codes(drawn(tmp_path, square + text))
+
+
 SQUARES = "M0 0H40V40H0Z M60 0V40H100V0Z"
 
 
