@@ -9,6 +9,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
@@ -23,6 +24,7 @@ __all__ = [
     "apply_change",
     "checked",
     "parsed_toml",
+    "plain",
     "read_toml",
     "toml_of",
     "types_of",
@@ -153,11 +155,26 @@ def apply_change(document: dict[str, Any], change: str) -> None:
     table[parts[-1]] = value
 
 
+def plain(value: Any, depth: int = DEEPEST) -> Any:
+    """A value whose numbers and arrays of numpy, also in tables and lists, are Python's own.
+
+    >>> import numpy as np
+    >>> plain({"rows": np.int64(4), "widths": (np.array([1.5, 2.0]),)})
+    {'rows': 4, 'widths': ([1.5, 2.0],)}
+    """
+    if isinstance(value, Mapping) and depth:
+        return {key: plain(each, depth - 1) for key, each in value.items()}
+    if type(value) in (list, tuple) and depth:
+        return type(value)(plain(each, depth - 1) for each in value)
+    return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+
+
 def checked(model: type[Table], document: Mapping[str, Any], source: str, cure: str) -> Table:
     """The document as settings. Raises `InvalidJob` with all keys at fault.
 
     source : begins the message, such as the file's path; cure : where keys are missing.
     """
+    document = plain(document)
     try:
         return model.model_validate(document)
     except ValidationError as error:

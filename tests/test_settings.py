@@ -5,6 +5,7 @@ import re
 import tomllib
 from datetime import date
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -141,3 +142,12 @@ def test_whole_numbers_that_no_message_can_name_are_refused(tmp_path):
         document: dict[str, str] = {}
         apply_change(document, f"kerf_mm={value}")
         assert document == {"kerf_mm": value}
+
+
+def test_numbers_of_numpy_are_taken_as_pythons_own():
+    design = {"kind": "miura", "rows": np.int64(6), "fold_deg": np.float32(30)}
+    taken = {"name": "m", "design": design, "sheet": {"width_mm": np.array(90)}}
+    plain = {**taken, "design": {**design, "rows": 6, "fold_deg": 30.0}, "sheet": {"width_mm": 90}}
+    assert parse_job(taken) == parse_job(plain)
+    with pytest.raises(InvalidJob, match=r"design.rows = 6.5 .* whole number"):
+        parse_job({**taken, "design": {**design, "rows": np.float64(6.5)}})

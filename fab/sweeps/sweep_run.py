@@ -15,6 +15,7 @@ from typing import Any
 from fab.errors import InvalidJob, counted
 from fab.jobs.job import Job
 from fab.progress import Progress, Steps, silent
+from fab.settings import plain
 from fab.sweeps.cluster import ClusterSettings, cluster_pool, lost_batches
 from fab.sweeps.engine import Pool, run_batches
 from fab.sweeps.job_text import job_bytes
@@ -223,7 +224,7 @@ def sweep(
     Worker processes import the script that calls this, so that it has to be called under
     `if __name__ == "__main__":`. Raises `InvalidJob` as `run_sweep`.
     """
-    document = {**(settings or {}), "axes": dict(axes)}
+    document = plain({**(settings or {}), "axes": dict(axes)})
     found = sweep_of(job, document)
     return run_sweep(found, folder, jobs=jobs, cluster=cluster, progress=progress)
 

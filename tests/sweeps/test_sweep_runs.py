@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
@@ -21,7 +22,7 @@ from fab.jobs.job_files import make
 from fab.sweeps.cluster import ClusterSettings, job_script
 from fab.sweeps.columns import FIGURES, OUTCOME
 from fab.sweeps.parts import Parts
-from fab.sweeps.sweep_run import estimate, run_sweep
+from fab.sweeps.sweep_run import estimate, run_sweep, sweep
 from fab.sweeps.sweep_settings import load_sweep
 
 SMALL = """
@@ -110,6 +111,12 @@ def test_values_of_several_types_are_text_in_the_table(here, small, tmp_path):
     rows = rows_of(tmp_path / "out")
     assert [row["design.kind"] for row in rows] == ["miura", "3", "True"]
     assert [row["status"] for row in rows] == ["made", "refused", "refused"]
+
+
+def test_axes_from_python_are_arrays_as_well(here, tmp_path):
+    axes = {"design.columns": np.arange(2, 4), "design.fold_deg": [np.float32(30)]}
+    result = sweep(load_job(TEMPLATES / "miura.toml"), axes, tmp_path / "out", jobs=1)
+    assert [row["design.columns"] for row in result.rows()] == [2, 3]
 
 
 def test_a_changed_sweep_takes_what_fits(here, small, tmp_path):
