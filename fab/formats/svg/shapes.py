@@ -168,16 +168,19 @@ def _bezier(controls: list[Point], place: Place) -> list[Point]:
     """Points on the page of a Bézier curve of degree 2 or 3, with these control points."""
     points = np.array(_placed(controls, place.matrix))
     degree = len(points) - 1
-    if not np.isfinite(points).all() or _is_straight(points):
-        ends = points[[0, -1]]
-    else:
+    with np.errstate(over="ignore", invalid="ignore"):
         bend = float(np.hypot(*np.diff(points, n=2, axis=0).T).max())
-        wanted = math.sqrt(degree * (degree - 1) / 8 * bend / place.tolerance)
-        count = max(1, math.ceil(min(wanted, _MOST_CHORDS)))
-        t = np.linspace(0.0, 1.0, count + 1)[:, None]
-        weights = [math.comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)]
-        ends = sum(weight * point for weight, point in zip(weights, points, strict=True))
-        ends[0], ends[-1] = points[0], points[-1]
+        if not math.isfinite(bend) or _is_straight(points):
+            ends = points[[0, -1]]
+        else:
+            wanted = math.sqrt(degree * (degree - 1) / 8 * bend / place.tolerance)
+            count = max(1, math.ceil(min(wanted, _MOST_CHORDS)))
+            t = np.linspace(0.0, 1.0, count + 1)[:, None]
+            weights = [
+                math.comb(degree, k) * t**k * (1 - t) ** (degree - k) for k in range(degree + 1)
+            ]
+            ends = sum(weight * point for weight, point in zip(weights, points, strict=True))
+            ends[0], ends[-1] = points[0], points[-1]
     return [(x, y) for x, y in ends.tolist()]
 
 
@@ -186,9 +189,9 @@ def _is_straight(points: Any) -> bool:
     length = float(np.hypot(*chord))
     if length == 0:
         return False
-    inner = points[1:-1] - points[0]
-    along = inner @ chord / length
-    off = np.abs(inner[:, 0] * chord[1] - inner[:, 1] * chord[0]) / length
+    inner, unit = points[1:-1] - points[0], chord / length
+    along = inner @ unit
+    off = np.abs(inner[:, 0] * unit[1] - inner[:, 1] * unit[0])
     near = _STRAIGHT_REL * length
     return bool((off <= near).all() and (along >= -near).all() and (along <= length + near).all())
 

@@ -881,6 +881,13 @@ def test_arcs_beyond_the_range_of_floats_are_refused(tmp_path):
         drawn(tmp_path, path)
 
 
+@pytest.mark.parametrize("scale", ["1e300", "1e307"])
+def test_curves_that_are_too_large_are_refused_without_a_warning(scale, tmp_path):
+    path = f'<path d="M0 0C0 9 9 9 9 0S1 2 3 4Q5 6 7 8" stroke="red" transform="scale({scale})"/>'
+    with pytest.raises(InvalidFile, match="path 1 has a coordinate of"):
+        drawn(tmp_path, path)
+
+
 @pytest.mark.parametrize("value", ["nan", "abc", "1_0", "inf", "1e999", ""])
 def test_coordinates_that_are_no_numbers_are_refused(tmp_path, value):
     path = tmp_path / "odd.svg"
