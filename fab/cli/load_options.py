@@ -67,7 +67,7 @@ def load_options(command: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         given: dict[str, Any] = {}
         if fix:
-            given["fixed"] = [_where(text) for text in fix]
+            given["fixed"] = [_where("--fix", text) for text in fix]
         if weight is not None:
             given["weight"] = weight
         if down is not None:
@@ -105,18 +105,18 @@ def with_loads(settings: FoldSettings, given: Mapping[str, Any]) -> FoldSettings
     return settings.model_copy(update={"loads": loads})
 
 
-def _where(text: str) -> str | int | list[float]:
+def _where(option: str, text: str) -> str | int | list[float]:
     text = text.strip()
     if text.isdecimal() and len(text) <= _MOST_DIGITS:
         return int(text)
-    return _numbers(f"--fix {text}", text, 4) if "," in text else text
+    return _numbers(f"{option} {text}", text, 4) if "," in text else text
 
 
 def _pull(text: str) -> dict[str, Any]:
     where, equals, force = text.rpartition("=")
     if not equals:
         raise click.UsageError(f"--pull {text}: must have the form WHERE=X,Y,Z, as in 12=0,0,-0.5.")
-    return {"at": [_where(where)], "force_n": _numbers(f"--pull {text}", force, 3)}
+    return {"at": [_where("--pull", where)], "force_n": _numbers(f"--pull {text}", force, 3)}
 
 
 def _numbers(option: str, text: str, count: int) -> list[float]:

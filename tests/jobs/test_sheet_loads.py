@@ -115,6 +115,7 @@ def test_a_held_edge_turns_and_the_region_that_the_note_names_clamps_it(tmp_path
         (["--fix", "999", "--material", "card_300gsm"], "numbered from 0 to"),
         (["--fix", "0,0,1", "--material", "card_300gsm"], "must be 4 numbers"),
         (["--fix", "0", "--pull", "0,0,1"], "must have the form WHERE=X,Y,Z"),
+        (["--fix", "0", "--pull", "0,0=0,0,1"], "--pull 0,0: must be 4 numbers"),
         (["--fix", "0", "--down", "0,0,0"], "must not be zero"),
         (["--fix", "0", "--no-weight"], "there is no load"),
     ],
