@@ -69,7 +69,15 @@ _WARNINGS_TOO = frozenset(
 
 
 # What may lack in the drawing where the rest of it is refused.
-_LOST = frozenset({"entities-skipped", "layers-hidden", "layer-unplotted", "not-lines"})
+_LOST = frozenset(
+    {
+        "entities-skipped",
+        "layer-unplotted",
+        "layers-hidden",
+        "line-without-length",
+        "not-lines",
+    }
+)
 
 
 def with_lost(refusal: str, findings: Sequence[Finding]) -> str:

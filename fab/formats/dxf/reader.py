@@ -32,6 +32,7 @@ from fab.formats.dxf.curves import DRAWN, flattened, is_curved, is_mesh, weight
 from fab.formats.dxf.document import mm_per_unit_of, read_document, unit_findings
 from fab.formats.read_options import ReadOptions
 from fab.formats.source_files import shown
+from fab.formats.strictness import with_lost
 from fab.formats.units import unit_named
 from solver.vectors import FloatArray, IntArray
 
@@ -138,11 +139,11 @@ def read_dxf(path: Path, options: ReadOptions) -> LineSoup:
     lines, element = lines[kept], element[kept]
     findings += [*spaces, *_left_out_findings(left_out), *curves, *short]
     if not len(lines):
-        what = " ".join(finding.text for finding in findings)
-        raise InvalidFile(
+        refusal = (
             f"{path}: it has no lines, arcs, splines or polylines to read. Draw the creases with "
-            f"them, on layers that are visible.{' ' if what else ''}{what}"
+            "them, on layers that are visible."
         )
+        raise InvalidFile(with_lost(refusal, findings))
     lines, off_plane = _flat(path, lines)
     letters, unknown = _letters(drawn, options.colours)
     unused = _unused(drawn, options.colours)
