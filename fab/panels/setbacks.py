@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fab.pattern.closing_edges import closing_edges
+from fab.pattern.closing_edges import closing_edges, closing_edges_by_angles
 from fab.pattern.crease_pattern import CreasePattern
 from fab.pattern.open_cuts import edges_between
 from solver.polygons import next_corner
@@ -64,14 +64,16 @@ def setbacks(
     hinge_mm : shape (ne,), the setback that the hinge of each crease needs. limit_deg : creases
     that fold further count as folded by that angle.
 
-    Borders that meet each other in the folded form are set back as creases of that angle are.
+    Borders that meet each other in the folded form, by its coordinates or else by the fold angles,
+    are set back as creases of that angle are.
     Infinite where the angle leaves no clearance at any setback: at 180 degrees, unless the axis is
     outside of the panels on the side that opens.
     """
     shared = pattern.edges_faces[:, 1] >= 0
     angle = pattern.edges_foldAngle.copy()
     if np.abs(angle).max(initial=0.0) <= limit_deg:  # else borders do not meet
-        closing, closing_angle = closing_edges(pattern)
+        known = pattern.folded_coords is not None
+        closing, closing_angle = (closing_edges if known else closing_edges_by_angles)(pattern)
         shared[closing], angle[closing] = True, closing_angle[:, None]
     back = setbacks_of_folds(
         np.clip(angle, -limit_deg, limit_deg),

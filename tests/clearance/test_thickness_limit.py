@@ -139,8 +139,9 @@ def test_rings_that_close_when_folded_do_not_overlap_at_their_seam(kind, axis, t
     state = panels_at(pattern, pattern.folded_coords, Stage.TARGET, 1.0)
     assert overlaps(pattern, panel, hinge, state) == []
     # without their setback they do, in the same state
-    unknown = replace(pattern, folded_coords=None)
-    assert overlaps(unknown, panel, hinge, state)
+    angles = 0.999 * pattern.edges_foldAngle  # which do not close
+    ajar = replace(pattern, folded_coords=None, edges_foldAngle=angles)
+    assert overlaps(ajar, panel, hinge, state)
 
 
 def test_borders_that_close_have_the_angle_and_the_setback_of_a_crease():

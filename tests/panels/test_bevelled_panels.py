@@ -353,17 +353,20 @@ def test_a_cut_ring_is_set_back_where_it_closes_as_at_its_creases(sides, letter,
     folded = np.repeat(walked, 2, axis=0)
     folded[1::2, 1] = 20.0
     ring = replace(strip, folded_coords=folded)
-    back, open_back = backs(ring, heights), backs(strip, heights)
+    back, by_angles = backs(ring, heights), backs(strip, heights)
+    ajar = replace(strip, edges_foldAngle=0.99 * strip.edges_foldAngle)
+    open_back = backs(ajar, heights)
     creases = strip.edges_faces[:, 1] >= 0
     ends = np.ptp(flat[strip.edges_vertices][:, :, 0], axis=1) == 0
     assert (ends & ~creases).sum() == 2
     for name in ("axis_mm", "above", "below", "clearance_mm"):
         (own,) = np.unique(np.round(getattr(back, name)[creases], 12))
         assert getattr(back, name)[ends] == pytest.approx(own)
+        assert getattr(by_angles, name)[ends] == pytest.approx(own)
     assert (back.axis_mm[~ends] == 0).all()
     assert (open_back.axis_mm[~creases] == 0).all()
     gaps = []
-    for tube in (ring, strip):
+    for tube in (ring, ajar):
         panels, _ = make_panels(tube, heights, backs(tube, heights))
         turns, shifts = face_poses(tube, folded)
         first, last = manifolds(panels.bodies.moved(turns, shifts).chosen(np.array([0, sides - 1])))
