@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from types import UnionType
@@ -26,6 +26,7 @@ from fab.files import shortened
 from fab.settings import Settings
 from solver import DESIGNS
 from solver.designs.surface_fit import SURFACES
+from solver.errors import InvalidValue
 from solver.goals import Goals
 from solver.growth import GrowingDesign
 from solver.mesh import QuadMesh
@@ -40,6 +41,9 @@ __all__ = [
     "design_key",
     "design_settings",
 ]
+
+# Meshes that are read as those to relax onto are.
+_OTHER_MESHES = (".3mf", ".glb", ".off")
 
 
 class ParameterSettings(Settings):
@@ -135,9 +139,7 @@ def _target(
 
             clean = read_surface_mesh(folder / surface, face)
             return clean.mesh, clean.findings
-        from fab.formats.meshes.surface import read_surface
-
-        return read_surface(folder / surface, face, up), ()
+        return _seen_from_above(folder / surface, face, up), ()
     if face is not None or up is not None:
         raise InvalidJob(
             f"design.face = {face} and design.up = {up} must be left out for surface = "
@@ -151,6 +153,22 @@ def _target(
             f"{did_you_mean(surface, SURFACES, 0.4)}"
         )
     return surface, ()
+
+
+def _seen_from_above(file: Path, face: int | None, up: Sequence[float] | None) -> Target:
+    """The surface in a file of any kind, to grow on it."""
+    from fab.formats.meshes.surface import read_surface, require_surface
+
+    if file.suffix.lower() not in _OTHER_MESHES:
+        return read_surface(file, face, up)
+    if face is not None:
+        cure = "Faces are chosen in STEP files; a mesh is followed as a whole."
+        raise InvalidValue("face", face, "be left out for a mesh", cure)
+    from fab.surfaces.mesh_reader import read_triangles
+    from solver.targets.mesh import MeshSurface
+
+    coords, faces = read_triangles(file, require_surface(file, _OTHER_MESHES))
+    return MeshSurface.from_faces(coords, faces, up=up)
 
 
 def _fields(cls: type[Any]) -> list[dataclasses.Field[Any]]:

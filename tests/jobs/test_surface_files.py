@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from click.testing import CliRunner
+from lib3mf import Lib3MF
 from surface_meshes import cap
 
 import fab
@@ -234,6 +235,31 @@ def test_a_surface_with_formulas_is_grown_unless_it_is_to_be_relaxed():
     relaxed = SurfaceFit("hypar", method="relax", columns=8, turn=0.0).grow()
     assert relaxed.status is Status.GROWN
     assert len(relaxed.deviations)
+
+
+@pytest.mark.parametrize("ending", [".3mf", ".glb", ".off"])
+def test_meshes_of_every_kind_of_file_are_grown_on(tmp_path, ending):
+    made = trimesh.Trimesh(*cap(np.pi / 6, 12, 36), process=False)
+    if ending == ".3mf":
+        model = Lib3MF.Wrapper().CreateModel()
+        mesh = model.AddMeshObject()
+        mesh.SetGeometry(
+            [Lib3MF.Position(tuple(point)) for point in made.vertices.tolist()],
+            [Lib3MF.Triangle(tuple(face)) for face in made.faces.tolist()],
+        )
+        model.AddBuildItem(mesh, Lib3MF.Wrapper().GetIdentityTransform())
+        model.QueryWriter("3mf").WriteToFile(str(tmp_path / "cap.3mf"))
+    else:
+        made.export(tmp_path / f"cap{ending}")
+    made.export(tmp_path / "cap.stl")
+    sheets = [
+        grown_pattern(job_of(tmp_path, name, 8, method="grow"))
+        for name in (f"cap{ending}", "cap.stl")
+    ]
+    sizes = [np.sort(np.ptp(sheet.vertices_coords, axis=0)) for sheet, _ in sheets]
+    np.testing.assert_allclose(*sizes, rtol=2e-3, atol=1e-9)
+    with pytest.raises(InvalidJob, match=r"face = 0 .* left out for a mesh"):
+        grown_pattern(job_of(tmp_path, f"cap{ending}", 8, method="grow", face=0))
 
 
 def test_a_mesh_of_any_topology_cannot_be_grown_on(tmp_path):
