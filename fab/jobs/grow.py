@@ -153,9 +153,10 @@ def overlap_findings(overlaps: IntArray, *, in_pieces: bool = False) -> list[Fin
     if not len(overlaps):
         return []
     first, second = overlaps[0]
+    which = f"is face {first} with itself" if first == second else f"are {first} and {second}"
     text = (
         f"the flat sheet overlaps itself: {counted(len(overlaps), 'pair')} of faces share area, "
-        f"the first are {first} and {second}. "
+        f"the first {which}. "
     )
     text += (
         "It is cut into pieces that do not."

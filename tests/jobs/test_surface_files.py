@@ -13,7 +13,7 @@ from surface_meshes import cap
 import fab
 from fab.cli.group import main
 from fab.errors import InvalidFile, InvalidJob, Severity
-from fab.jobs.grow import grown_pattern, growth_findings
+from fab.jobs.grow import grown_pattern, growth_findings, overlap_findings
 from fab.jobs.job import parse_job
 from fab.jobs.job_parts import by_pieces
 from fab.surfaces.reading import read_surface_mesh
@@ -235,6 +235,12 @@ def test_a_surface_with_formulas_is_grown_unless_it_is_to_be_relaxed():
     relaxed = SurfaceFit("hypar", method="relax", columns=8, turn=0.0).grow()
     assert relaxed.status is Status.GROWN
     assert len(relaxed.deviations)
+
+
+def test_a_face_that_crosses_itself_when_flat_is_named_so():
+    texts = [overlap_findings(np.array(pairs))[0].text for pairs in ([[1, 1], [1, 2]], [[1, 2]])]
+    assert "2 pairs of faces share area, the first is face 1 with itself. " in texts[0]
+    assert "1 pair of faces share area, the first are 1 and 2. " in texts[1]
 
 
 @pytest.mark.parametrize("ending", [".3mf", ".glb", ".off"])
