@@ -405,8 +405,8 @@ DRAWINGS = (
     ),
     Explanation(
         "clip-ignored",
-        (NOTE,),
-        "Clipped or masked lines are taken whole.",
+        (NOTE, WARNING),
+        "Clipped or masked lines are taken whole; a warning where a clip path hides some of them.",
         "The drawing clips them.",
         "Cut them in the drawing program where the rest is not meant.",
     ),

@@ -97,6 +97,7 @@ def read_svg(path: Path, options: ReadOptions) -> LineSoup:
     bent = tuple([len(run) > 2 for run in shape.drawn.runs] == [True] for shape in taken)
     coords, element, letters, angles = _lines(path, taken)
     findings = _unit_findings(page, options, px_mm, of_program)
+    findings += _clip_findings(taken, drawing, mm_per_unit)
     findings += _left_out_findings(drawing)
     findings += unused_colours(options.colours, drawing.keys)
     curves = sum(shape.drawn.curves for shape in taken)
@@ -382,6 +383,22 @@ _FAULTS = {
         "shape",
     ),
 }
+
+
+def _clip_findings(taken: list[Shape], drawing: Drawing, mm_per_unit: float) -> list[Finding]:
+    """Lines that are read though a clip hides them, all or in part: no mere fault of `drawing`."""
+    count = sum(len(shape.hidden) for shape in taken)
+    if not count:
+        return []
+    del drawing.faults["clip"]
+    first = next(shape for shape in taken if shape.hidden)
+    x, y = (mm_per_unit * value for value in first.hidden[0])
+    text = (
+        f"a clip path hides {counted(count, 'line')} in whole or in part, the first of "
+        f"{first.name} around ({x:.6g}, {y:.6g}) mm: the lines are taken whole. Cut or remove them "
+        "in the drawing program where the rest is not meant, or remove the clip path where it is."
+    )
+    return [Finding("clip-ignored", Severity.WARNING, text)]
 
 
 def _left_out_findings(drawing: Drawing) -> list[Finding]:

@@ -20,9 +20,10 @@ from fab.formats.drawn.letters import colour_of, key_of, letter_of
 from fab.formats.drawn.line_soup import LETTERS
 from fab.formats.drawn.own_sheets import OPERATIONS
 from fab.formats.source_files import shown
+from fab.formats.svg.clips import Clip, Clips, clip_of
 from fab.formats.svg.conditions import chosen_of, is_meant
 from fab.formats.svg.lengths import require_lengths
-from fab.formats.svg.shapes import SHAPES, Drawn, Place, drawn_shape
+from fab.formats.svg.shapes import SHAPES, Drawn, Place, Point, drawn_shape
 from fab.formats.svg.styles import local_name, style_sheets
 from fab.formats.svg.transforms import attribute_transform, product, style_transform
 from fab.formats.svg.viewports import (
@@ -71,6 +72,7 @@ class _Context:
     uses : how many `use` elements it is drawn through.
     label, given : of the `use` element right above it: what it refers to, and the width and height
         that it gives.
+    clips : that hold for it.
     """
 
     matrix: Matrix
@@ -88,11 +90,15 @@ class _Context:
     uses: int = 0
     label: str = ""
     given: tuple[str, str] = ("", "")
+    clips: tuple[Clip, ...] = ()
 
 
 @dataclass
 class Shape:
-    """One shape that is drawn."""
+    """One shape that is drawn.
+
+    hidden : the middle of what a clip hides of each of its lines that it cuts off.
+    """
 
     name: str
     drawn: Drawn
@@ -104,6 +110,7 @@ class Shape:
     filled: bool
     circle: bool
     operation: str
+    hidden: list[Point]
 
 
 @dataclass
@@ -134,6 +141,7 @@ def drawing_of(
     """
     sheets = style_sheets(root)
     known = {key: element for element in root.iter() if (key := element.get("id"))}
+    clips = Clips(known, tolerance)
     out = Drawing()
     out.left_out["rules of style sheets"] += sheets.skipped
     counts: Counter[str] = Counter()
@@ -176,10 +184,13 @@ def drawing_of(
             out.fault("transform", name)
         if declared.get("clip-path", "none") != "none" or declared.get("mask", "none") != "none":
             out.fault("clip", name)
+            inner = _clipped(inner, element, tag, declared)
         if shape:
             own = (*_names(element), *inner.names)
             found = _shape(element, tag, name, inner, own, declared, tolerance, colours, out)
             if found is not None:
+                if inner.clips:
+                    found.hidden = clips.cut_off(found.drawn.runs, inner.clips)
                 out.shapes.append(found)
             continue
         if _FOLDED_FIGURE.fullmatch(identity):
@@ -283,6 +294,18 @@ def _within(element: ET.Element, tag: str, context: _Context, outermost: bool) -
         matrix, size = viewport_matrix(element.attrib, across, up)
         out = replace(out, matrix=product(out.matrix, matrix), size=size)
     return out
+
+
+def _clipped(
+    context: _Context, element: ET.Element, tag: str, declared: dict[str, str]
+) -> _Context:
+    """The context with the clip of an element, in its user space."""
+    matrix, size = context.matrix, context.size
+    if tag == "use":
+        x, y = length_px(element.get("x"), size[0]), length_px(element.get("y"), size[1])
+        matrix = product(matrix, (1.0, 0.0, 0.0, 1.0, x, y))
+    clip = clip_of(declared.get("clip-path", ""), matrix, size)
+    return context if clip is None else replace(context, clips=(*context.clips, clip))
 
 
 def _used(
@@ -412,6 +435,7 @@ def _shape(
         filled,
         tag == "circle" or tag == "ellipse",
         context.operation,
+        [],
     )
 
 
