@@ -625,6 +625,13 @@ DRAWINGS = (
         "Keep the FOLD file, and have `fabricate` cut it into pieces.",
     ),
     Explanation(
+        "layers-lost",
+        (WARNING,),
+        "The order of layers gets lost.",
+        "The file has faceOrders, for which SVG, DXF, CP and OBJ files have no place.",
+        "Keep the FOLD file.",
+    ),
+    Explanation(
         "angles-lost-in-dxf",
         (WARNING,),
         "Fold angles below 180 degrees get lost.",

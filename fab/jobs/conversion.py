@@ -27,6 +27,7 @@ __all__ = ["WRITTEN", "convert"]
 # Endings of files that are written.
 WRITTEN = (".fold", ".svg", ".dxf", ".cp", ".obj", ".png")
 _DRAWINGS = (".svg", ".dxf", ".cp")
+_WITHOUT_LAYERS = (*_DRAWINGS, ".obj")
 # The order of layers is sought for so long.
 _LAYERS_S = 20.0
 
@@ -46,6 +47,8 @@ def convert(read: PatternFile, target: Path) -> Made:
         *others, last = WRITTEN
         hint = did_you_mean(ending, WRITTEN)
         raise InvalidJob(f"{target}: must end in {', '.join(others)} or {last}.{hint}")
+    if ending in _WITHOUT_LAYERS:
+        findings += _lost_layers(read, ending)
     if ending == ".obj":
         findings += _lost(pattern)
         made = _obj_sheet if pattern.folded_coords is None else _obj_pair
@@ -69,6 +72,19 @@ def convert(read: PatternFile, target: Path) -> Made:
     if ending in _DRAWINGS:
         findings += _lost_in_drawing(read)
     return Made({target.name: data}, {}, tuple(findings))
+
+
+def _lost_layers(read: PatternFile, ending: str) -> list[Finding]:
+    """The order of layers that the file has, and other formats have no place for."""
+    rows = read.face_orders[read.face_orders[:, 2] != 0]
+    if not len(rows):
+        return []
+    text = (
+        f"{ending[1:].upper()} files have no place for the order of layers, the faceOrders of "
+        f"{counted(len(rows), 'pair')} of faces. Keep the FOLD file."
+    )
+    faces = np.unique(rows[:, :2])
+    return [Finding("layers-lost", Severity.WARNING, text, panels=first_few(faces))]
 
 
 def _lost_in_drawing(read: PatternFile) -> list[Finding]:

@@ -287,3 +287,24 @@ def test_drawings_of_sheets_that_overlap_themselves_are_told(here, ending, lost)
     assert ("faces-lost-in-drawing" in told) == lost
     if lost:
         assert told["faces-lost-in-drawing"].panels == (0, 4)
+
+
+@pytest.mark.parametrize("ending", [".svg", ".dxf", ".cp", ".obj", ".fold", ".png"])
+@pytest.mark.parametrize("order", [1, 0])
+def test_an_order_of_layers_that_gets_lost_is_reported(here, ending, order):
+    """A sheet folded in half: one pair of layers, or a row that says that its order is unknown."""
+    document = {
+        "frame_unit": "mm",
+        "vertices_coords": [[0, 0], [20, 0], [40, 0], [40, 20], [20, 20], [0, 20]],
+        "faces_vertices": [[0, 1, 4, 5], [1, 2, 3, 4]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0], [1, 4]],
+        "edges_assignment": [*"BBBBBBV"],
+        "faceOrders": [[0, 1, order]],
+    }
+    (here / "half.fold").write_text(json.dumps(document))
+    made = convert(read_any([here / "half.fold"]), here / f"made{ending}")
+    told = [finding for finding in made.findings if finding.code == "layers-lost"]
+    assert len(told) == (order == 1 and ending not in (".fold", ".png"))
+    for finding in told:
+        assert "faceOrders of 1 pair of faces" in finding.text
+        assert finding.panels == (0, 1)
