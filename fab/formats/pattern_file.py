@@ -8,6 +8,7 @@ import numpy as np
 
 from fab.errors import Finding
 from fab.formats.coordinate_bounds import require_asked_size
+from fab.formats.units import with_size_given
 from fab.pattern.crease_pattern import CreasePattern, scaled
 from solver.vectors import FloatArray, IntArray
 
@@ -48,18 +49,26 @@ def resized(
 ) -> PatternFile:
     """What was read with its longer side `width_mm` long, or `factor` times as large; see `scaled`.
 
-    Texts of findings keep the coordinates of the file; their places follow the size. Raises
-    `InvalidJob` for sizes that nothing can be made of.
+    Texts of findings keep the coordinates of the file, and that of its unit says what was done with
+    the size; their places follow it. Raises `InvalidJob` for sizes that nothing can be made of.
     """
     pattern = scaled(read.pattern, width_mm=width_mm, factor=factor)
     if pattern is read.pattern:
         return read
-    asked = f"scale {factor:g}" if width_mm is None else f"width {width_mm:g} mm"
+    if width_mm is None:
+        asked = f"scale {factor:g}"
+        done = f"The sheet was then made {factor:g} times as large"
+    else:
+        asked = f"width {width_mm:g} mm"
+        done = f"The longer side of the sheet was then made {width_mm:g} mm long"
     require_asked_size(asked, float(np.ptp(pattern.vertices_coords, axis=0).max()))
     before, after = (np.ptp(p.vertices_coords, axis=0).max() for p in (read.pattern, pattern))
     times = float(after / before)
     findings = tuple(
-        replace(finding, places=tuple((x * times, y * times) for x, y in finding.places))
+        replace(
+            with_size_given(finding, done),
+            places=tuple((x * times, y * times) for x, y in finding.places),
+        )
         for finding in read.findings
     )
     return replace(

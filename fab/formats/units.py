@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from fab.errors import Finding, Severity
 from fab.formats.read_options import ReadOptions
 from fab.pattern.crease_pattern import CreasePattern
 
-__all__ = ["sheet_small", "unit_named", "unit_unknown"]
+__all__ = ["sheet_small", "unit_named", "unit_unknown", "with_size_given"]
+
+_SIZE_CURE = "Give --width-mm or --mm-per-unit where this is not meant."
 
 _SAME_REL = 1e-9
 # Sheets of files without a unit that are smaller than this are probably of another unit, mm.
@@ -19,11 +22,15 @@ _SMALL_MM = 20.0
 
 def unit_unknown(what: str, mm: float) -> Finding:
     """The finding of a file without a unit. what : such as "the file names no unit: one unit"."""
-    text = (
-        f"{what} is taken for {mm:.6g} mm. Give --width-mm or --mm-per-unit where this is not "
-        "meant."
-    )
+    text = f"{what} is taken for {mm:.6g} mm. {_SIZE_CURE}"
     return Finding("unit-unknown", Severity.NOTE, text)
+
+
+def with_size_given(finding: Finding, done: str) -> Finding:
+    """A finding where the user gave the size of the sheet: of a unit, what was done with that."""
+    if finding.code != "unit-unknown":
+        return finding
+    return replace(finding, text=finding.text.replace(_SIZE_CURE, f"{done}, as asked for."))
 
 
 def unit_named(mm: float, options: ReadOptions) -> list[Finding]:

@@ -306,6 +306,14 @@ def test_units_of_drawings_without_one(here):
         pattern, output = converted(here, drawing, *words)
         assert box_of(pattern) == pytest.approx([width, 0.6 * width])
         assert ("unit-unknown" in output) == (words[0] == "--width-mm")
+    for words, done in (
+        (["--width-mm", "50"], "The longer side of the sheet was then made 50 mm long"),
+        (["--scale", "2"], "The sheet was then made 2 times as large"),
+    ):
+        _, output = converted(here, drawing, *words)
+        note = next(line for line in output.splitlines() if "unit-unknown" in line)
+        assert f"0.264583 mm. {done}, as asked for." in note
+        assert "Give" not in note
     output = refused(here, "convert", drawing, "a.fold", "--mm-per-unit", "2", "--dpi", "72")
     assert "--mm-per-unit 2 and --dpi 72: give one of them" in output
     for words in (["--mm-per-unit", "0"], ["--dpi", "-1"], ["--mm-per-unit", "nan"]):
