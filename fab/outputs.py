@@ -77,8 +77,8 @@ def with_report(
 
 
 def finding_entry(finding: Finding) -> dict[str, Any]:
-    """A finding in a report; its places only where it has some."""
-    entry = dataclasses.asdict(finding)
+    """A finding in a report, as any `Finding`; its places only where it has some."""
+    entry = {field.name: getattr(finding, field.name) for field in dataclasses.fields(Finding)}
     if not finding.places:
         del entry["places"]
     return entry

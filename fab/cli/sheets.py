@@ -81,6 +81,7 @@ def fabricate(
     """
     with answers() as interrupts:
         from fab.drawings.drawing_files import USUAL, SheetFormat
+        from fab.formats.drawn.letters import unused_in_all
         from fab.jobs.file_names import SHEETS
         from fab.jobs.sheet_files import FabricatedFormat, fabricate_together
         from fab.outputs import plain_title
@@ -103,10 +104,14 @@ def fabricate(
         name = _together(titles)
 
         def make(progress: Progress) -> Made:
-            patterns = []
-            for file, title, many in zip(files, titles, of_each, strict=True):
-                pattern, _, findings = sheet_of(file, options, size)
-                patterns.append(PatternCopies(title, pattern, many, tuple(findings)))
+            read = [sheet_of(file, options, size) for file in files]
+            found = unused_in_all([findings for _, _, findings in read])
+            patterns = [
+                PatternCopies(title, pattern, many, findings)
+                for title, (pattern, _, _), many, findings in zip(
+                    titles, read, of_each, found, strict=True
+                )
+            ]
             return fabricate_together(patterns, name, request, progress=progress)
 
         made = FilesOf(name, [SHEETS])

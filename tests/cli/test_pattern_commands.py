@@ -129,6 +129,19 @@ def test_colours_without_effect_are_told(here, ending):
     assert "'#ff8800', 'lost'" in output
 
 
+def test_colours_that_one_of_several_files_has_are_not_unused(here):
+    slit = '<path d="M20 20H40" stroke="magenta"/>'
+    svg(here, RIM, CREASE.format(colour="red"), slit).rename("slit.svg")
+    svg(here, RIM, CREASE.format(colour="red")).rename("plain.svg")
+    words = ["fabricate", *SHEET, "--dry-run", "--only", "dxf"]
+    for files in (["slit.svg", "plain.svg"], ["plain.svg", "slit.svg"]):
+        output = run(*words, *files, "--colours", "magenta=cut").output
+        assert "colours-unused" not in output
+        output = run(*words, *files, "--colours", "magenta=cut,lost=cut").output
+        assert "no line of the file has the colour, layer or name 'lost'." in output
+    assert "colours-unused" in run(*words, "plain.svg", "--colours", "magenta=cut").output
+
+
 def test_all_formats_that_are_read_are_tried():
     assert {f".{ending}" for ending in FORMATS} == set(READ)
 

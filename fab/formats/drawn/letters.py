@@ -10,6 +10,7 @@ import colorsys
 import re
 import unicodedata
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 from fab.errors import Finding, Severity, did_you_mean
@@ -23,6 +24,7 @@ __all__ = [
     "parse_colours",
     "unlettered_finding",
     "unused_colours",
+    "unused_in_all",
 ]
 
 # Words in the names of layers that say what their lines are, without accents and in lower case.
@@ -202,6 +204,20 @@ def parse_colours(text: str) -> dict[str, str]:
     return out
 
 
+@dataclass(frozen=True)
+class _UnusedColours(Finding):
+    """Colours and names that nothing in a file has.
+
+    Attributes
+    ----------
+    colours : all that the user gives.
+    keys : names and colours of all lines of the file.
+    """
+
+    colours: Mapping[str, str] = field(default_factory=dict, hash=False)
+    keys: frozenset[str] = frozenset()
+
+
 def unused_colours(colours: Mapping[str, str], keys: Collection[str]) -> list[Finding]:
     """The finding of what the user gives a letter that nothing in a file has.
 
@@ -219,7 +235,24 @@ def unused_colours(colours: Mapping[str, str], keys: Collection[str]) -> list[Fi
     listed += f" and {len(unused) - _LISTED} more" if len(unused) > _LISTED else ""
     hint = did_you_mean(unused[0], sorted(keys))
     text = f"--colours: no line of the file has the colour, layer or name {listed}.{hint}"
-    return [Finding("colours-unused", Severity.WARNING, text)]
+    return [
+        _UnusedColours(
+            "colours-unused", Severity.WARNING, text, colours=colours, keys=frozenset(keys)
+        )
+    ]
+
+
+def unused_in_all(files: Sequence[Sequence[Finding]]) -> list[tuple[Finding, ...]]:
+    """Findings of files that are read with the same colours: what one of them has is not unused."""
+    unused = [[f for f in found if isinstance(f, _UnusedColours)] for found in files]
+    left: list[Finding] = []
+    if unused and all(unused):
+        keys = frozenset().union(*(own[0].keys for own in unused))
+        left = unused_colours(unused[0][0].colours, keys)
+    return [
+        tuple(f for f in found if not isinstance(f, _UnusedColours)) + tuple(left)
+        for found in files
+    ]
 
 
 def key_of(text: str) -> str:
