@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from fab import read_pattern
 from fab.errors import InvalidJob
 from fab.folding.bar_hinge_model import framework
+from fab.folding.loads import loaded_sheet
 from fab.folding.loads.forces import BarTension, DeadForces, Pressure, rim_forces
 from fab.folding.loads.load_settings import LoadSettings
 from fab.folding.loads.loaded_sheet import GRAVITY_M_S2, load_sheet
@@ -21,6 +22,7 @@ from fab.folding.loads.plate_bending import plate_bending
 from fab.folding.loads.refined import refined
 from fab.folding.loads.supports import chosen_vertices
 from fab.folding.quasi_static import fold
+from fab.folding.rest import relaxed
 from fab.viewing.scene_builders import folding_scene
 from solver.vectors import norm
 
@@ -359,6 +361,27 @@ def test_a_sheet_that_is_held_on_a_line_or_in_a_point_can_swing():
     assert held("left edge", 1) == []
     assert held([0.0, 0.0, 10.0, 20.0]) == []
     assert held("border") == []
+
+
+def test_a_pull_on_vertices_that_are_all_held_is_refused():
+    strip = quads(8, 2, 80.0, 20.0)
+    pull = {"at": ["left edge"], "force_n": (0.0, 0.0, 0.1)}
+    with pytest.raises(InvalidJob, match=r"loads\.pulls\.0\.at: all vertices .* are held"):
+        loaded(strip, fixed=["left edge"], pulls=[pull])
+    assert loaded(strip, fixed=[[0.0, 0.0, 10.0, 15.0]], pulls=[pull]).last.settled
+
+
+def test_pressure_on_a_sheet_that_swings_is_given_up(monkeypatch):
+    rests = []
+
+    def counted(*given, **more):
+        rests.append(relaxed(*given, **more))
+        return rests[-1]
+
+    monkeypatch.setattr(loaded_sheet, "relaxed", counted)
+    made = loaded(quads(8, 2, 80.0, 20.0), fixed=["left edge"], weight=False, pressure_pa=3.0)
+    assert not made.last.settled
+    assert len(rests) < 8  # of 30 rounds and two with softer bars
 
 
 def test_inner_slits_and_holes_are_no_border(tmp_path):

@@ -39,6 +39,8 @@ _MOST_PARTS, _MOST_TRIANGLES = 6, 1500
 _SOFT_STRAIN, _SOFTEST = 1e-2, 1e-4
 # Rounds in which the forces of pressure at a free rim follow it, and when they have: relative.
 _ROUNDS, _FOLLOWED = 30, 1e-6
+# A sheet that has not come to rest in so many of these rounds swings away from its load.
+_RESTLESS = 3
 # The sheet is in equilibrium where forces are balanced to this share of the load.
 _BALANCED = 1e-4
 # It sags or rises where the motion up or down is at least this share of the motion.
@@ -170,8 +172,8 @@ def load_sheet(
     frame : of the sheet. coords : shape (nv, 3), mm, where it is folded to, z up.
     progress : called with (loads done, loads in all).
 
-    Raises `InvalidJob` where nothing or not every piece of the sheet is held, or a choice of
-    vertices or faces finds none.
+    Raises `InvalidJob` where nothing or not every piece of the sheet is held, a choice of vertices
+    or faces finds none, or a pull is on vertices that are all held.
     """
     sheet = _Loading.of(frame, coords, plate, settings)
     shares = np.arange(settings.load_steps + 1) / settings.load_steps
@@ -244,6 +246,11 @@ class _Loading:
             forces += np.bincount(corner, third, len(at))[:, None] * down
         for place, pull in enumerate(settings.pulls):
             pulled = chosen(pull.at, f"loads.pulls.{place}.at")
+            if fixed[pulled].all():
+                raise InvalidJob(
+                    f"loads.pulls.{place}.at: all vertices that it pulls are held, and none "
+                    "would move. Pull others, or hold fewer."
+                )
             forces[pulled] += np.asarray(pull.force_n) / pulled.sum()
         pressed = np.arange(len(area))
         if settings.pressure_faces is not None:
@@ -286,6 +293,7 @@ class _Loading:
         """Coordinates under a share of the load, the gradient there, and whether it is at rest."""
         settled = True
         for frame, system in self.systems:
+            restless = 0
             for _ in range(_ROUNDS if self.pressure_n and frame is self.frame else 1):
                 before = coords
                 rest = relaxed(
@@ -298,7 +306,8 @@ class _Loading:
                     watch=watch,
                 )
                 coords, settled = rest.coords, rest.settled
-                if norm(coords - before).max() <= _FOLLOWED:
+                restless += not settled
+                if restless == _RESTLESS or norm(coords - before).max() <= _FOLLOWED:
                     break
         gradient = self._gradient(coords, share)
         left = float(norm(gradient[~self.fixed]).max(initial=0.0))
