@@ -131,7 +131,10 @@ def require_folder(folder: Path) -> None:
     except OSError as error:
         raise _unwritten(folder, error) from error
     if not existing.is_dir():
-        raise InvalidJob(f"{folder}: {existing} is a file, not a folder. Choose another --out.")
+        which = "" if existing == folder else f"{existing} "
+        raise InvalidJob(
+            f"{folder}: {which}is a file, not a folder to write into. Choose another --out."
+        )
     if not os.access(existing, os.W_OK | os.X_OK):
         raise InvalidJob(f"{folder}: no permission to write in {existing}. Choose another --out.")
 

@@ -434,8 +434,10 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path):
     (tmp_path / "file").write_text("x")
     made = make(parse_job(SMALL), [Format.SVG])
     for target in ("file", "file/below"):
-        with pytest.raises(InvalidJob, match="is a file, not a folder"):
+        with pytest.raises(InvalidJob, match="is a file, not a folder") as refusal:
             write(made, tmp_path / target)
+        named = [word for word in str(refusal.value).split() if "file" in word and "/" in word]
+        assert len(named) == (1 if target == "file" else 2)  # no path twice
     assert (tmp_path / "file").read_text() == "x"
 
 
