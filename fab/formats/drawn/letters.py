@@ -235,11 +235,9 @@ def unused_colours(colours: Mapping[str, str], keys: Collection[str]) -> list[Fi
     listed += f" and {len(unused) - _LISTED} more" if len(unused) > _LISTED else ""
     hint = did_you_mean(unused[0], sorted(keys))
     text = f"--colours: no line of the file has the colour, layer or name {listed}.{hint}"
-    return [
-        _UnusedColours(
-            "colours-unused", Severity.WARNING, text, colours=colours, keys=frozenset(keys)
-        )
-    ]
+    plain = Finding("colours-unused", Severity.WARNING, text)
+    known = frozenset(keys)
+    return [_UnusedColours(plain.code, plain.severity, plain.text, colours=colours, keys=known)]
 
 
 def unused_in_all(files: Sequence[Sequence[Finding]]) -> list[tuple[Finding, ...]]:
