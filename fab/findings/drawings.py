@@ -453,6 +453,13 @@ DRAWINGS = (
         _NOTHING,
     ),
     Explanation(
+        "knife-paths",
+        (WARNING,),
+        "A sheet of ours has no closed outline.",
+        "The machine has a [knife]: cuts run ahead of its blade, begin in the waste or go on.",
+        "Read the FOLD file, or a sheet that was made without [knife].",
+    ),
+    Explanation(
         "kerf-removed",
         (NOTE,),
         "Outlines of a sheet of ours are moved back by half of its kerf.",

@@ -145,8 +145,23 @@ def test_the_paths_of_a_drag_knife_are_no_pieces_side_to_side(tmp_path):
     )
     made = fabricate(grid(2, 1, 40.0), "sheet", request)
     (tmp_path / "sheet_1.svg").write_bytes(made.files["sheet_1.svg"])
-    with pytest.raises(InvalidFile, match="no line is a border"):
+    with pytest.raises(InvalidFile, match=r"no line is a border.* \[knife\].*Read the FOLD file"):
         read_any([tmp_path / "sheet_1.svg"])
+
+
+@pytest.mark.parametrize("kind", [SheetFormat.DXF, SheetFormat.SVG])
+@pytest.mark.parametrize("overcut_mm", [0.0, 0.5])
+def test_outlines_that_a_knife_cuts_on_beyond_their_start_are_a_warning(kind, overcut_mm, tmp_path):
+    machine = load_machine("knife_a4")
+    knife = machine.knife.model_copy(update={"overcut_mm": overcut_mm})
+    machine = machine.model_copy(update={"knife": knife})
+    request = SheetRequest(load_material("card_300gsm"), machine, formats=[kind], page=False)
+    path = tmp_path / f"sheet_1.{kind}"
+    path.write_bytes(fabricate(grid(2, 1, 40.0), "sheet", request).files[path.name])
+    found = read_any([path])
+    warnings = {f.code for f in found.findings if f.severity == Severity.WARNING}
+    assert ("knife-paths" in warnings) == (overcut_mm > 0)
+    assert found.pattern.face_count == 2
 
 
 @pytest.mark.parametrize("plain", [False, True])

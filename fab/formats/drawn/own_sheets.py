@@ -94,6 +94,13 @@ def recovered_sheet(
     if between.any():
         text = "pieces of our own sheet that share sides stay side by side, with cuts between them."
         findings.append(Finding("sheet-addition", Severity.NOTE, text))
+    if not (outline | around).any():
+        text = (
+            "our own sheet has no closed outline, as where its machine has a [knife] with an "
+            "offset, an overcut or a lead-in: its cuts are paths of the knife, not the outlines of "
+            "pieces. Read the FOLD file, or a sheet that was made without [knife]."
+        )
+        findings.append(Finding("knife-paths", Severity.WARNING, text))
     rings = [
         soup.lines_coords[soup.lines_element == e, 0] for e in np.unique(soup.lines_element[hole])
     ]
