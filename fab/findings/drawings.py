@@ -453,6 +453,13 @@ DRAWINGS = (
         _NOTHING,
     ),
     Explanation(
+        "engraved-unassigned",
+        (WARNING,),
+        "Engraved creases of a sheet of ours are unassigned.",
+        "Its layer ENGRAVE does not say whether they are mountains or valleys.",
+        "Say it with --colours ENGRAVE=valley, or read the FOLD file.",
+    ),
+    Explanation(
         "knife-paths",
         (WARNING,),
         "A sheet of ours has no closed outline.",

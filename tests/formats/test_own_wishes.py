@@ -128,9 +128,24 @@ def test_letters_that_the_user_gives_hold_for_our_own_sheets(kind, tmp_path):
         ({"#00a000": "M", "#00ff00": "M"}, {"M"}),  # of SVG and of DXF
         ({"engrave": "V", "cut": "C"}, {"V"}),
     ):
-        pattern = read_any([path], ReadOptions(colours=colours)).pattern
+        found = read_any([path], ReadOptions(colours=colours))
+        pattern = found.pattern
         assert set(pattern.edges_assignment.tolist()) == {"B", *letters}
         assert pattern.face_count == 4
+        told = [f.text for f in found.findings if f.code == "engraved-unassigned"]
+        assert len(told) == (not colours)
+        assert all("3 engraved creases" in text for text in told)
+
+
+@pytest.mark.parametrize("kind", [SheetFormat.DXF, SheetFormat.SVG])
+def test_registration_crosses_are_no_engraved_creases(kind, tmp_path):
+    settings = CutterSettings(
+        material="card_300gsm", machine="co2_60w_600x400", two_sided=True, tabs="none"
+    )
+    made = fabricate(grid(4, 1, 40.0), "sheet", settings.request([kind], page=False))
+    path = tmp_path / f"sheet_1_back.{kind}"
+    path.write_bytes(made.files[path.name])
+    assert "engraved-unassigned" not in {finding.code for finding in read_any([path]).findings}
 
 
 def test_the_paths_of_a_drag_knife_are_no_pieces_side_to_side(tmp_path):

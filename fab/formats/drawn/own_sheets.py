@@ -123,6 +123,12 @@ def recovered_sheet(
         findings.append(Finding("sheet-addition", Severity.NOTE, text))
     soup_rows = of_rows(soup, rows, rows.ends)
     ends, letters = rows.ends, soup_rows.lines_assignment
+    if engraved := _count_within(ends[letters == "U"], ends[letters == "B"]):
+        text = (
+            f"{counted(engraved, 'engraved crease')} of our own sheet: unassigned, as the drawing "
+            "does not say which fold they are. Give --colours ENGRAVE=valley, or mountain."
+        )
+        findings.append(Finding("engraved-unassigned", Severity.WARNING, text))
     crease = ~np.isin(letters, ["B", "C"])
     border = letters == "B"
     if border.any() and crease.any():
@@ -166,6 +172,15 @@ def recovered_sheet(
             )
         )
     return of_rows(soup, rows, ends, *findings)
+
+
+def _count_within(lines: FloatArray, outlines: FloatArray) -> int:
+    """How many lines have their middle within outlines: registration crosses are beside them."""
+    if not len(lines) or not len(outlines):
+        return 0
+    pieces = shapely.STRtree(shapely.get_parts(shapely.polygonize(shapely.linestrings(outlines))))
+    middles = shapely.points(lines.mean(axis=1))
+    return len(np.unique(pieces.query(middles, predicate="within")[0]))
 
 
 def _to_vertices(ends: FloatArray, crease: BoolArray) -> tuple[FloatArray, int]:
