@@ -1,8 +1,21 @@
 """Triangle meshes of surfaces of every kind, for tests."""
 
+import locale
+from contextlib import contextmanager
+
 import numpy as np
 
 from solver.targets.surface_mesh import SurfaceMesh
+
+
+@contextmanager
+def writing_3mf():
+    """Keep the locale: lib3mf sets another one, by which later tests would read text as ASCII."""
+    before = locale.setlocale(locale.LC_ALL)
+    try:
+        yield
+    finally:
+        locale.setlocale(locale.LC_ALL, before)
 
 
 def grid(f, nu=24, nv=24, *, u=(-1, 1), v=(-1, 1), around=(False, False), twisted=False):

@@ -3,6 +3,7 @@
 import inspect
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -137,10 +138,14 @@ def _still_asks(process, seconds):
 
 
 def _take_terminal():
-    """Make the pseudo terminal that of the session, so that Ctrl-C interrupts."""
+    """Make the pseudo terminal that of the session, so that Ctrl-C interrupts.
+
+    Also where the suite was started in the background by a shell, which ignores interrupts.
+    """
     import fcntl
     import termios
 
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     fcntl.ioctl(0, termios.TIOCSCTTY, 0)
 
 

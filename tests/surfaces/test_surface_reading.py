@@ -1,7 +1,5 @@
 """One shape out of files of every kind: the same kind of mesh, and nearly the same points."""
 
-import locale
-
 import numpy as np
 import pytest
 import surface_meshes as made
@@ -70,12 +68,10 @@ def test_meshes_of_all_formats_are_the_same(ending, tmp_path):
 
 def test_3mf_files_are_in_millimetres_with_their_transforms(tmp_path):
     path = tmp_path / "a.3mf"
-    before = locale.setlocale(locale.LC_ALL)
     writer = Mesher(unit=Unit.CM)
     writer.add_shape(Pos(1, 2, 3) * Sphere(2))
-    writer.write(path)
-    # the library has set another one, by which all later tests would read text as ASCII
-    locale.setlocale(locale.LC_ALL, before)
+    with made.writing_3mf():
+        writer.write(path)
     clean = read_surface_mesh(path)
     assert clean.mesh.kind is MeshKind.SPHERE
     middle = np.ptp(clean.mesh.vertices_coords, axis=0) / 2 + clean.mesh.vertices_coords.min(axis=0)
