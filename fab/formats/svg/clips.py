@@ -52,7 +52,7 @@ class Clips:
     def __init__(self, known: Mapping[str, ET.Element], tolerance: float) -> None:
         self._known = known
         self._tolerance = tolerance
-        self._regions: dict[Clip, Any] = {}
+        self._regions: dict[Clip, tuple[Any, Any] | None] = {}
 
     def cut_off(self, runs: list[list[Point]], clips: tuple[Clip, ...]) -> list[Point]:
         """The middle of what is not shown of each line that the clips cut off, all or in part.
@@ -67,8 +67,7 @@ class Clips:
         ends = np.array([pair for run in runs for pair in pairwise(run)])
         lines = shapely.linestrings(ends[np.isfinite(ends).all(axis=(1, 2))])
         out = []
-        for region in regions:
-            slack = region.buffer(_SLACK * self._tolerance, join_style="mitre")
+        for region, slack in regions:
             cut = ~shapely.covers(slack, lines)
             hidden = shapely.difference(lines[cut], region)
             middles = shapely.line_interpolate_point(
@@ -78,10 +77,15 @@ class Clips:
             lines = lines[~cut]
         return out
 
-    def _region(self, clip: Clip) -> Any:
-        """What a clip shows, on the page; None where it is not known."""
+    def _region(self, clip: Clip) -> tuple[Any, Any] | None:
+        """What a clip shows, on the page, and how far lines may leave it; None if not known."""
         if clip not in self._regions:
-            self._regions[clip] = self._worked_out(clip)
+            region = self._worked_out(clip)
+            if region is None:
+                self._regions[clip] = None
+            else:
+                slack = region.buffer(_SLACK * self._tolerance, join_style="mitre")
+                self._regions[clip] = region, slack
         return self._regions[clip]
 
     def _worked_out(self, clip: Clip) -> Any:
